@@ -149,9 +149,17 @@ def test_a_response_that_is_given_up_keeps_its_pieces_apart(
     bench: Path, write_law: Callable[..., None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system = hardening(bench, write_law)
-    assert system.followed(4.0, 14.0).whole
+    whole = system.followed(4.0, 14.0)
+    assert whole.whole
     follow = SteadySystem.curve
     monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[:12])
+    # What is missing is marched, up and down: in the fold each way has a motion of its own, stable both.
+    up, down = system.followed(4.0, 14.0).in_time
+    upper, _, lower = system.crossings(whole.pieces[0], 8.0)
+    for way, state in ((up, upper), (down, lower)):
+        found = np.interp(8.0, [one.frequency for one in way], [half_range(one.clamps)[0] for one in way])
+        assert found == pytest.approx(half_range(state.clamps)[0], rel=0.01)
+    monkeypatch.setattr(SteadySystem, "marched", lambda *_: None)
     followed = system.followed(4.0, 14.0)
     assert not followed.whole
     lower, upper = followed.pieces

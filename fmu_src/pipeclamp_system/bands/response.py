@@ -97,8 +97,15 @@ def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = F
         by_clamp: whether what a law's form may be off stands there for each of its clamps by itself.
 
     Raises:
-        UserError: the system can't be read.
+        UserError: the system can't be read, or a motion of it was found in time.
     """
+    in_time = [state.frequency for curve in response.curves for way in curve.followed.in_time for state in way]
+    if in_time:
+        raise UserError(
+            f"{path}: from {min(in_time):.4g} to {max(in_time):.4g} Hz a motion was found in time, and bands follow "
+            "from motions that are balanced; expected other ends of [response], or harmonics stated there, with which "
+            "more can be balanced"
+        )
     description = read_system(path)
     what = unknown_of(description, path.parent)
     return BandedSystem(path, description, what.by_clamp() if by_clamp else what)
@@ -218,11 +225,13 @@ class BandedSystem:
                 changed, self.pipe, self.path.parent, curve.temperature, curve.level, self.table.harmonics, where
             )
             if apart:
-                return curve_of(system, self.table, curve.temperature, curve.level, where)
-            followed = system.followed(self.table.from_Hz, self.table.to_Hz)
-            if not followed.pieces:
-                raise UserError(f"{where}: no steady state is found at either end of the frequencies")
-            return Curve(curve.temperature, curve.level, followed, ())
+                found_curve = curve_of(system, self.table, curve.temperature, curve.level, where)
+            else:
+                followed = system.followed(self.table.from_Hz, self.table.to_Hz)
+                found_curve = Curve(curve.temperature, curve.level, followed)
+            if not found_curve.pieces or found_curve.followed.in_time:
+                raise UserError(f"{where}: no motion is balanced from end to end of the frequencies")
+            return found_curve
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 

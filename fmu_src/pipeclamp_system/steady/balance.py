@@ -7,7 +7,8 @@ motion is stable is told by Floquet's multipliers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import groupby, pairwise
+from math import ceil, log
 
 import numpy as np
 
@@ -16,9 +17,10 @@ from pipeclamp_system.steady.clamp import harmonics_of
 from pipeclamp_system.steady.continuation import Solution, Steps, between, follow
 from pipeclamp_system.steady.driven import DrivenPipe
 from pipeclamp_system.steady.floquet import growth
-from pipeclamp_system.steady.harmonics import packed
-from pipeclamp_system.steady.start import grown
-from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
+from pipeclamp_system.steady.harmonics import DOUBTFUL, packed
+from pipeclamp_system.steady.in_time import Marched, Standing
+from pipeclamp_system.steady.start import begun
+from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range
 from pipeclamp_system.steady.tangents import tangents
 from pipeclamp_system.steady.truncation import truncated
 
@@ -26,14 +28,28 @@ OVER_FREQUENCY = Steps(widest=0.05)
 """Of a path over frequency: a resonance damped by 1 % stands out twentyfold so far from its frequency, as a share: in
 a longer step one that is small beside others could begin and end unseen."""
 
+APART, FINEST, MOST_IN_TIME = 0.04, 0.002, 120
+"""Frequencies that are marched lie so far apart, as a share, and half of that again where the response bends, down to
+the second; but no more are marched than these."""
+
+STRAIGHT, OTHER = 0.01, 0.05
+"""Share by which an amplitude may be off the straight line through its neighbours', and from which on it is that of
+another motion."""
+
 
 class SteadySystem(DrivenPipe):
     """A pipe with its clamps under a sine, and the steady states that it comes to."""
 
     def at(self, frequency: float) -> SteadyState | None:
-        """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
-        start = grown(self, frequency)
-        return None if start is None else self.state(start, frequency)
+        """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found.
+
+        Where it can't be balanced it is the one to which a march from rest comes.
+        """
+        start = None if self.holds_places else begun(self, frequency)
+        if start is not None:
+            return self.state(start, frequency)
+        marched = self.marched(frequency)
+        return self.state_in_time(marched) if marched is not None and marched.round == 1 else None
 
     def curve(self, first: float, last: float) -> list[SteadyState]:
         """Give the frequency response from one frequency to another (Hz), round its turning points.
@@ -44,7 +60,7 @@ class SteadySystem(DrivenPipe):
 
     def path(self, first: float, last: float) -> list[Solution]:
         """Give the solutions that `curve` evaluates, which takes as long as to find them."""
-        start = grown(self, first)
+        start = begun(self, first)
         if start is None:
             return []
         if not self._clamps:
@@ -53,14 +69,99 @@ class SteadySystem(DrivenPipe):
         return list(follow(self.over_frequency(), Solution(first, start), last, size, OVER_FREQUENCY))
 
     def followed(self, first: float, last: float) -> FollowedResponse:
-        """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached."""
+        """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached.
+
+        What lies between what was followed is marched in time, frequency by frequency.
+        """
+        if self.holds_places:
+            return self._in_time((), first, last)
         lower = tuple(self.curve(first, last))
         if lower and lower[-1].frequency == last:
             return FollowedResponse((lower,), whole=True)
         upper = tuple(reversed(self.curve(last, first)))
         if upper and upper[0].frequency == first:
             return FollowedResponse((upper,), whole=True)
-        return FollowedResponse(tuple(piece for piece in (lower, upper) if piece), whole=False)
+        lower, upper = self._sound(lower), self._sound(upper[::-1])[::-1]
+        given_up = max((state.frequency for state in lower), default=first)
+        from_above = min((state.frequency for state in upper), default=last)
+        return self._in_time(tuple(piece for piece in (lower, upper) if piece), given_up, from_above)
+
+    def _in_time(self, pieces: tuple[tuple[SteadyState, ...], ...], low: float, high: float) -> FollowedResponse:
+        """March between two frequencies (Hz), upwards and downwards: where there are two motions, each way has its own.
+
+        Pieces are what is balanced beside them.
+        """
+        if low >= high or not self._clamps:
+            return FollowedResponse(pieces, whole=False)
+        upwards = self._finer(self._in_turn(low, high))
+        downwards = self._others(upwards, self._in_turn(high, low, upwards[-1].end if upwards else None))
+        ways = [[one for one in way if one.round == 1] for way in (upwards, *downwards)]
+        return FollowedResponse(
+            pieces,
+            whole=False,
+            in_time=tuple(tuple(self.state_in_time(one) for one in way) for way in ways if way),
+            unsteady=tuple(
+                Unsteady(one.frequency, one.round, one.cycles, tuple(one.low.tolist()), tuple(one.high.tolist()))
+                for one in upwards
+                if one.round != 1
+            ),
+        )
+
+    def _sound(self, states: tuple[SteadyState, ...]) -> tuple[SteadyState, ...]:
+        """Leave out where a path that was given up had strayed, at its end."""
+        while not self.stated_harmonics and states and states[-1].truncated > DOUBTFUL:
+            states = states[:-1]
+        return states
+
+    def _in_turn(self, first: float, last: float, begin: Standing | None = None) -> list[Marched]:
+        """March at frequencies (Hz) from one to another, each from the motion before; lowest first.
+
+        Those whose motion has no numbers are left out.
+        """
+        count = min(MOST_IN_TIME // 2, 2 + ceil(abs(log(last / first)) / log(1 + APART)))
+        found: list[Marched] = []
+        for frequency in np.geomspace(first, last, count).tolist():
+            one = self.marched(frequency, found[-1].end if found else begin)
+            found += [one] if one is not None else []
+        return sorted(found, key=lambda one: one.frequency)
+
+    def _finer(self, found: list[Marched]) -> list[Marched]:
+        """March between motions where the response bends, too."""
+        while between := self._bent(found)[: max(0, MOST_IN_TIME - len(found))]:
+            marched = [self.marched(frequency, before.end) for before, frequency in between]
+            found = sorted([*found, *(one for one in marched if one is not None)], key=lambda one: one.frequency)
+        return found
+
+    def _others(self, known: Sequence[Marched], found: Sequence[Marched]) -> list[list[Marched]]:
+        """Give the steady motions that aren't those known at their frequency, neighbours together."""
+        steady = [one for one in known if one.round == 1]
+        if not steady:
+            return []
+        frequencies, amplitudes = [one.frequency for one in steady], np.array([one.high for one in steady])
+        others: list[list[Marched]] = []
+        for is_other, group in groupby(
+            (one for one in found if one.round == 1),
+            key=lambda one: any(
+                abs(np.interp(one.frequency, frequencies, own) / amplitude - 1) > OTHER
+                for own, amplitude in zip(amplitudes.T, one.high.tolist(), strict=True)
+            ),
+        ):
+            others += [self._finer(list(group))] if is_other else []
+        return others
+
+    @staticmethod
+    def _bent(found: Sequence[Marched]) -> list[tuple[Marched, float]]:
+        """Give frequencies, Hz, between motions where straight lines through their amplitudes aren't near enough, and
+        the motion before each."""
+        bent: dict[float, Marched] = {}
+        for one, two, three in zip(found, found[1:], found[2:], strict=False):
+            share = (two.frequency - one.frequency) / (three.frequency - one.frequency)
+            straight = one.high + share * (three.high - one.high)
+            if np.any(np.abs(straight - two.high) > STRAIGHT * two.high):
+                for begin, end in ((one, two), (two, three)):
+                    if abs(log(end.frequency / begin.frequency)) > FINEST:
+                        bent[(begin.frequency + end.frequency) / 2] = begin
+        return [(before, frequency) for frequency, before in bent.items()]
 
     def solutions(self, states: Sequence[SteadyState], frequency: float) -> list[Array]:
         """Give the unknowns, (m,) each, where a curve passes a frequency (Hz), in the order in which it does."""
@@ -80,6 +181,26 @@ class SteadySystem(DrivenPipe):
         if path and path[-1].parameter == frequency:
             found.append(path[-1].unknowns)
         return found
+
+    def marched(self, frequency: float, begin: Standing | None = None) -> Marched | None:
+        """March at a frequency (Hz), from rest unless told, until the motion repeats; as of `InTime.at`."""
+        return self.in_time.at(frequency, self.excitation(frequency), begin)
+
+    def state_in_time(self, marched: Marched) -> SteadyState:
+        """Give the steady state to which a march came."""
+        points, count = marched.points, len(self._clamps)
+        farthest = half_range(points[:count]).tolist()
+        return SteadyState(
+            frequency=marched.frequency,
+            clamps=points[:count],
+            probes=points[count:],
+            forces=marched.forces,
+            conditions=marched.conditions,
+            growth=marched.decay,
+            truncated=marched.error,
+            beyond=tuple(c.beyond(points[i], marched.frequency, farthest[i]) for i, c in enumerate(self._clamps)),
+            cycles=marched.cycles,
+        )
 
     def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
         """Give the states at a frequency (Hz) at which a curve passes it."""

@@ -41,6 +41,7 @@ class SteadyClamp:
         further: other conditions that the law follows, by name, in its units; load cycles stand still.
         samples: of a cycle, at which the law is evaluated.
         ranges: what the law's data hold of T (K) and of `further`, by name.
+        jumps: whether its memory does, as that of a clearance before the clamp.
     """
 
     law: Law
@@ -52,6 +53,7 @@ class SteadyClamp:
     further: Mapping[str, float] = field(default_factory=dict)
     samples: int = SAMPLES
     ranges: Mapping[str, Bounds] = field(default_factory=dict)
+    jumps: bool = False
 
     def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
         """Give A (mm) and f (Hz) that the law is taken for, each (rows,).

@@ -69,6 +69,7 @@ def steady_clamp(
     followed = dict(zip(named, further.values(), strict=True))
     kelvin = (source.temperature_C if temperature is None else temperature) + CELSIUS
     largest, fastest = (file.range[name].maximum for name in ("A", "f"))
+    needed = samples_of_law(law, {"T": kelvin, **followed}, largest, fastest, samples)
     return SteadyClamp(
         law,
         kelvin,
@@ -77,12 +78,13 @@ def steady_clamp(
         (file.range["A"].minimum, file.range["A"].maximum),
         (file.range["f"].minimum, file.range["f"].maximum),
         followed,
-        samples=samples_of_law(law, {"T": kelvin, **followed}, largest, fastest, samples),
+        samples=needed,
         ranges={
             name: (interval.minimum, interval.maximum)
             for name, interval in ranges_of(file).items()
             if name in ("T", *named)
         },
+        jumps=needed > samples,
     )
 
 

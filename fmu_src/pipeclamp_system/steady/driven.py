@@ -32,6 +32,7 @@ from pipeclamp_system.steady.harmonics import (
     unpacked,
     wanted,
 )
+from pipeclamp_system.steady.in_time import InTime
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, Step, step_of
 from pipeclamp_system.steady.tangents import linearised
@@ -86,6 +87,17 @@ class DrivenPipe:
         # Of several clamps most of a cycle can be stuck: that takes minutes.
         step = step_of(self._clamps[0]) if self.clamps == 1 else None
         return [(replace(clamp, samples=CELLS), step) for clamp in self._clamps] if step else []
+
+    @property
+    def holds_places(self) -> bool:
+        """Whether dry friction lies behind a clearance: it holds the clamp at any of many places, between which the
+        balance's corrections jump. Unless harmonics are stated such motions aren't balanced, but marched in time."""
+        return not self.stated_harmonics and any(clamp.jumps for clamp, _ in self.rubbing)
+
+    @cached_property
+    def in_time(self) -> InTime:
+        """The same pipe and clamps, to be marched in time."""
+        return InTime(self._pipe, self._clamps, self._shapes)
 
     @property
     def clamps(self) -> int:

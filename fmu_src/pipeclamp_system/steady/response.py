@@ -26,7 +26,7 @@ from pipeclamp_system.steady.described import ranges_of, response_table, steady_
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.harmonics import DOUBTFUL
-from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
+from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range
 
 RUN_IT = "; run sines there in time by `pipeclamp cosim`"
 """Said where steady states are missing."""
@@ -60,8 +60,8 @@ class Curve:
 
     @property
     def states(self) -> tuple[SteadyState, ...]:
-        """The states of all pieces."""
-        return tuple(state for piece in self.pieces for state in piece)
+        """The states of all pieces, and those that were found in time."""
+        return tuple(state for piece in (*self.pieces, *self.followed.in_time) for state in piece)
 
 
 AMOUNTS = {
@@ -102,7 +102,7 @@ class FrequencyResponse:
     @property
     def left_out(self) -> bool:
         """Whether harmonics that are left out would move a motion by more than can be overlooked."""
-        return any(state.truncated > DOUBTFUL for curve in self.curves for state in curve.states)
+        return any(state.truncated > DOUBTFUL for curve in self.curves for piece in curve.pieces for state in piece)
 
     @property
     def doubtful_dots(self) -> tuple[Dot, ...]:
@@ -123,7 +123,7 @@ class FrequencyResponse:
             )
             unstable = _spans(stretches(curve.pieces, lambda state: not state.stable))
             branch = f"; unstable {unstable}" if unstable else ""
-            broken = "" if curve.followed.whole else f"; {curve.followed.reach()}{RUN_IT}"
+            broken = _about_missing(curve.followed)
             apart = "".join(
                 f"; {about(piece)}"
                 for about, of_kind in ((_about_leaving, curve.leaving), (_about_detached, curve.detached))
@@ -139,7 +139,9 @@ class FrequencyResponse:
         """Say how many harmonics were balanced, and what is left out."""
         if not self.clamp_names:
             return []
-        states = [state for curve in self.curves for state in curve.states]
+        states = [state for curve in self.curves for piece in curve.pieces for state in piece]
+        if not states:
+            return []
         counts = [state.harmonics for state in states]
         span = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
         worst = max(states, key=lambda state: state.truncated)
@@ -244,6 +246,29 @@ def _spans(ranges: Iterable[tuple[float, float]]) -> str:
     return ", ".join(_span(low, high) for low, high in ranges)
 
 
+def _about_missing(followed: FollowedResponse) -> str:
+    """Say what isn't balanced, and what was found there in time."""
+    if followed.whole:
+        return ""
+    found, unsteady = [state for way in followed.in_time for state in way], followed.unsteady
+    if not found and not unsteady:
+        return f"; {followed.reach()}{RUN_IT}"
+    frequencies = [state.frequency for state in found] + [one.frequency for one in unsteady]
+    words = f"; found in time {_span(min(frequencies), max(frequencies))}, where nothing is balanced: "
+    if found:
+        error = max(state.truncated for state in found)
+        words += f"{len(found)} motions that repeat, to {error:.2%}"
+    for way in followed.in_time[1:]:
+        words += f"; another one {_span(way[0].frequency, way[-1].frequency)}, downwards in frequency"
+    for again in dict.fromkeys(one.round for one in unsteady):
+        own = [one for one in unsteady if one.round == again]
+        how = f"comes round in {again} cycles only" if again else "doesn't come round"
+        at = _span(min(one.frequency for one in own), max(one.frequency for one in own))
+        high = max(max(one.high) for one in own)
+        words += f"; the motion {how} at {len(own)} frequencies {at}, and goes as far as {high:.3g} mm"
+    return words
+
+
 def _about_detached(branch: Sequence[SteadyState]) -> str:
     """Say where a branch lies that nothing joins to the others."""
     return f"a branch apart {_where(branch)}"
@@ -310,6 +335,7 @@ def run_response(path: Path, progress: Progress | None = None, *, dots: bool = T
                 for frequency in frequencies:
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
                     passed = [state for piece in curve.pieces for state in system.crossings(piece, frequency)]
+                    passed += _marched_at(system, curve.followed, frequency)
                     stable = [
                         Rest(amplitudes_of(state), -state.growth, state.truncated) for state in passed if state.stable
                     ]
@@ -328,22 +354,39 @@ def run_response(path: Path, progress: Progress | None = None, *, dots: bool = T
     )
 
 
+def _marched_at(system: SteadySystem, followed: FollowedResponse, frequency: float) -> list[SteadyState]:
+    """Give the steady states at a frequency (Hz) among those that were found in time."""
+    passed = [way for way in followed.in_time if way[0].frequency <= frequency <= way[-1].frequency]
+    marched = [system.marched(frequency)] if passed else []
+    found = [system.state_in_time(one) for one in marched if one is not None and one.round == 1]
+    return found + [min(way, key=lambda state: abs(state.frequency - frequency)) for way in passed[1:]]
+
+
 def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
     """Follow one curve, and seek what is detached from it.
 
     Raises:
-        UserError: it is found at neither end.
+        UserError: no steady state is found.
     """
     followed = system.followed(table.from_Hz, table.to_Hz)
-    if not followed.pieces:
+    if not followed.states:
         raise UserError(
-            f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
-            f"{table.to_Hz:g} Hz; state other ends in [response], or run its sines in time by `pipeclamp cosim`"
+            f"{where}: {label(temperature, level)}: no steady state is found from {table.from_Hz:g} to "
+            f"{table.to_Hz:g} Hz{_at_most(followed.unsteady)}; run its sines in time by `pipeclamp cosim`"
         )
+    if followed.in_time:  # a branch apart begins in the balance, which gives none there
+        return Curve(temperature, level, followed)
     leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
     detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)
     leaving += leaving_branches(system, detached, table.from_Hz, table.to_Hz)
     return Curve(temperature, level, followed, detached, leaving)
+
+
+def _at_most(unsteady: Sequence[Unsteady]) -> str:
+    """Say how far motions go that don't repeat."""
+    if not unsteady:
+        return ""
+    return f": no motion repeats, and they go as far as {max(max(one.high) for one in unsteady):.3g} mm"
 
 
 def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
@@ -364,28 +407,42 @@ def write_response(
     Raises:
         UserError: the folder can't be written.
     """
-    rows = []
+    rows: list[dict[str, float | str | None]] = []
     further = iter(beside if beside is not None else repeat({}))
     for curve in response.curves:
         for number, state in ((n, state) for n, piece in enumerate(curve.pieces, 1) for state in piece):
-            row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
-            row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
-            row |= {"harmonics": state.harmonics, "truncated [1]": state.truncated}
-            means = np.concatenate([state.clamps[:, 0].real, state.probes[:, 0].real])
-            row |= {f"{name}.mean [mm]": mean for name, mean in zip(response.points, means.tolist(), strict=True)}
-            for name, (amplitude, frequency), force, beyond in zip(
-                response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), state.beyond,
-                strict=True,
-            ):  # fmt: skip
-                row |= {f"{name}.A_used [mm]": amplitude, f"{name}.f_used [Hz]": frequency, f"{name}.f [N]": force}
-                row[f"{name}.inRange [1 yes, 0 no]"] = float(not beyond)
-            rows.append({**row, **next(further)})
+            row = _state_row("curve", curve, state, response)
+            rows.append({**row, "piece": number, "harmonics": state.harmonics, **next(further)})
+        rows += [
+            {**_state_row("in time", curve, state, response), "piece": number, "cycles": state.cycles}
+            for number, way in enumerate(curve.followed.in_time, len(curve.pieces) + 1)
+            for state in way
+        ]
+        for one in curve.followed.unsteady:
+            row = _row("in time, unsteady", curve.temperature, curve.level, one.frequency, one.high, response)
+            row |= {f"{name}.s_least [mm]": low for name, low in zip(response.points, one.low, strict=True)}
+            rows.append({**row, "repeats": 0.0, "cycles": one.cycles, "comes round in [cycles]": one.round or None})
     for dot in response.dots:
         row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
         row |= {"settled": float(dot.settled), "trusted": float(dot.trusted), "repeats": float(dot.repeats)}
         row |= {"step [s]": dot.step}
         rows.append(row | {"truncated [1]": dot.truncated})
     write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
+
+
+def _state_row(
+    kind: str, curve: Curve, state: SteadyState, response: FrequencyResponse
+) -> dict[str, float | str | None]:
+    row = _row(kind, curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
+    row |= {"stable": float(state.stable), "growth [1/s]": state.growth, "truncated [1]": state.truncated}
+    means = np.concatenate([state.clamps[:, 0].real, state.probes[:, 0].real])
+    row |= {f"{name}.mean [mm]": mean for name, mean in zip(response.points, means.tolist(), strict=True)}
+    for name, (amplitude, frequency), force, beyond in zip(
+        response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), state.beyond, strict=True
+    ):
+        row |= {f"{name}.A_used [mm]": amplitude, f"{name}.f_used [Hz]": frequency, f"{name}.f [N]": force}
+        row[f"{name}.inRange [1 yes, 0 no]"] = float(not beyond)
+    return row
 
 
 def _row(

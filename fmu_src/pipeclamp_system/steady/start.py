@@ -1,4 +1,4 @@
-"""The motion from which a response is followed: out of rest, or out of springs in the clamps' place."""
+"""The motion from which a response is followed: out of rest, out of springs in the clamps' place, or out of a march."""
 
 from __future__ import annotations
 
@@ -8,11 +8,48 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.continuation import Equation, Solution, Steps, follow, solve
 from pipeclamp_system.steady.driven import DrivenPipe
 from pipeclamp_system.steady.equivalent import equivalent
-from pipeclamp_system.steady.harmonics import SMALLEST, packed
+from pipeclamp_system.steady.harmonics import DOUBTFUL, FEWEST, SMALLEST, SPARE, TRUNCATED, left_out, packed, resized
+from pipeclamp_system.steady.truncation import truncated_at
 
 STICKING = 3
 """Times the fewest harmonics, in which springs turn into clamps that rub: with fewer, what is balanced moves as far as
 a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
+
+
+NEAR = 0.01
+"""Share of a motion that was marched by which a balanced one may be off it and still be the same."""
+
+
+def begun(pipe: DrivenPipe, frequency: float) -> Array | None:
+    """Find the unknowns at a frequency where a response may begin; None where nothing near the motion is balanced.
+
+    Where what grows out of rest isn't found, or strays, it is sought next to the motion to which a march comes.
+    """
+    found = grown(pipe, frequency)
+    if found is None or (pipe.rubbing and not pipe.stated_harmonics and _strays(pipe, found, frequency)):
+        return settled(pipe, frequency)
+    return found
+
+
+def _strays(pipe: DrivenPipe, unknowns: Array, frequency: float) -> bool:
+    return truncated_at(pipe, unknowns, frequency, pipe.excitation(frequency)) > DOUBTFUL
+
+
+def settled(pipe: DrivenPipe, frequency: float) -> Array | None:
+    """Find the unknowns at a frequency next to the motion to which a march from rest comes."""
+    marched = pipe.in_time.at(frequency, pipe.excitation(frequency))
+    if marched is None or marched.round != 1:
+        return None
+    motion = marched.points[: pipe.clamps]
+    asked = max(FEWEST, int(np.argmax(left_out(marched.points) <= SPARE * TRUNCATED)))
+    H = pipe.stated_harmonics or min(asked, pipe.most_harmonics)
+    guess = packed(resized(motion, H + 1)[None])[0]
+    size = float(pipe.sizes(guess[None])[0])
+    found = solve(pipe.over_frequency(), guess, frequency, size)
+    if found is None:
+        return None
+    near, there = (resized(one, H + 1) for one in (motion, pipe.unpacked(found[None])[0]))
+    return found if np.abs(near - there).max() <= NEAR * size else None
 
 
 def grown(pipe: DrivenPipe, frequency: float) -> Array | None:

@@ -26,6 +26,8 @@ class SteadyState:
         truncated: rms of the harmonics that are left out, as a share of that of the motion, where it is largest.
         beyond: each clamp's conditions that lie beyond its law's data, by name: A (mm), f (Hz), T (K), further ones.
         side: of a curve's state, as of `Solution`: it changes where a branch leaves the curve.
+        cycles: that were marched where the motion was found in time; its harmonics aren't balanced then, its growth is
+            the rate at which it came to repeat, and truncated is what halving the steps changed. None: it is balanced.
     """
 
     frequency: float
@@ -37,6 +39,7 @@ class SteadyState:
     truncated: float
     beyond: tuple[Mapping[str, float], ...]
     side: int = 0
+    cycles: int | None = None
 
     @property
     def harmonics(self) -> int:
@@ -55,21 +58,49 @@ class SteadyState:
 
 
 @dataclass(frozen=True, eq=False)
+class Unsteady:
+    """A motion that isn't the same in each cycle of the excitation.
+
+    Attributes:
+        frequency: of the excitation, Hz.
+        round: cycles in which it comes round; 0 where it doesn't.
+        cycles: that were marched.
+        low, high: smallest and largest half peak-to-peak displacement of a cycle, mm, of the clamps, then the probes.
+    """
+
+    frequency: float
+    round: int
+    cycles: int
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class FollowedResponse:
     """A frequency response as far as it could be followed.
 
     Attributes:
         pieces: states from end to end; or what was followed from each end until it was given up, the lower one first.
         whole: whether it is one piece from end to end.
+        in_time: states that were found in time where it was given up: upwards in frequency, then where it differs
+            what was found downwards.
+        unsteady: motions there that aren't the same in each cycle.
     """
 
     pieces: tuple[tuple[SteadyState, ...], ...]
     whole: bool
+    in_time: tuple[tuple[SteadyState, ...], ...] = ()
+    unsteady: tuple[Unsteady, ...] = ()
 
     @property
     def states(self) -> tuple[SteadyState, ...]:
-        """The states of all pieces."""
-        return tuple(state for piece in self.pieces for state in piece)
+        """The states of all pieces, and those that were found in time."""
+        return tuple(state for piece in (*self.pieces, *self.in_time) for state in piece)
+
+    @property
+    def complete(self) -> bool:
+        """Whether a steady motion is known from end to end."""
+        return self.whole or bool(self.in_time and not self.unsteady)
 
     def reach(self) -> str:
         """Say which frequencies the pieces reach."""

@@ -81,7 +81,7 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
     if study.description.measure == "peak":
         followed = steady.followed(table.from_Hz, table.to_Hz)
         states, pieces = list(followed.states), followed.pieces
-        if states and not followed.whole:
+        if states and not followed.complete:
             raise UserError(f"the response was {followed.reach()}; its peak isn't known: try other ends of [response]")
     else:
         frequency = system.excitation.frequency_Hz
@@ -92,6 +92,8 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
         pieces = ()
     if not states:
         raise UserError(f"{where}: no steady state was found")
+    if study.per_cent is not None and any(state.cycles is not None for state in states):
+        raise UserError(f"{where}: the motion was found in time, and a band follows from one that is balanced")
     amplitudes = np.array([amplitudes_of(state) for state in states])
     points = (*(clamp.at for clamp in system.clamps), *pipe.probe_names)
     bands = None if study.per_cent is None else _bands(study, system, pipe, steady, states[0], pieces)

@@ -67,7 +67,7 @@ def after_response(
         return NextStep(again, "without harmonics in [response]")
     if found.left_out:
         return NextStep(shell_line("cosim", str(system), "-o", "cosim.csv"), "with a frequency where it is in doubt")
-    if not all(curve.followed.whole for curve in found.curves):
+    if not all(curve.followed.complete for curve in found.curves):
         return NextStep(again, "with other ends of [response]")
     beyond = {
         name: [state.beyond[place] for curve in found.curves for state in curve.states if state.beyond[place]]
@@ -75,7 +75,7 @@ def after_response(
     }
     if planned := _tests_beyond(read_system(system), system, {name: own for name, own in beyond.items() if own}):
         return planned
-    if _is_told(_response_refuse, system):
+    if _is_told(_response_refuse, system) and not any(curve.followed.in_time for curve in found.curves):
         return NextStep(shell_line(*given, "--bands", BANDS) if bands is None else shell_line("plan", str(system)))
     return NextStep(_packaged(system))
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, exponent, power_surface
 from pipeclamp_models.equations.literature import HUNT, TSUJI
-from pipeclamp_models.equations.symbols import A_0, A_highest, F_typical, T, v, v_typical, y, y_r
+from pipeclamp_models.equations.symbols import A_0, A_highest, F_typical, T, v, v_highest, y, y_r
 
 F_h, y_h, q_h, n_h, chi_h, m_h, h_T = sp.symbols("F_h y_h q_h n_h chi_h m_h h_T", real=True)
 stiff, losing = sp.symbols("contact_F contact_chi", real=True)
@@ -65,25 +65,25 @@ EFFECT = Effect(
         ),
         Parameter(
             y_h, "mm", "displacement towards the nearer contact at which it is touched",
-            tuple(place * A_highest for place in places), lower=-A_highest,
+            tuple(place * A_highest for place in places), lower=-0.8 * A_highest,
             upper=0.98 * A_highest,
         ),
         Parameter(
             q_h, "1/mm", "one over the free travel between two contacts; 0 where there is one",
-            tuple(1 / (travel * A_highest) if travel else 0.0 for travel in travels), lower=0.0, upper=50 / A_highest,
+            tuple(1 / (travel * A_highest) if travel else 0.0 for travel in travels), lower=0.0, upper=2.5 / A_highest,
             neutral=0.0, known_within=1 / A_highest,
         ),
         Parameter(
-            n_h, "-", "exponent of the depth: 1 flat, 1.5 round", (HERTZ,) * len(places), lower=0.5, upper=4.0,
+            n_h, "-", "exponent of the depth: 1 flat, 1.5 round", (HERTZ,) * len(places), lower=0.7, upper=2.5,
             neutral=HERTZ, known_within=0.5,
         ),
         Parameter(
             chi_h, "s/mm", "damping force at a depth of 1 mm per velocity towards the contact, over F_h",
-            (0.3 / v_typical,) * len(places), lower=0.0, upper=20 / v_typical, neutral=0.0,
+            (0.3 / v_highest,) * len(places), lower=0.0, upper=3 / v_highest, neutral=0.0,
         ),
         Parameter(
             m_h, "-", "exponent of the depth in the damping: 1.5 as Hunt and Crossley, 0 for a dashpot",
-            (HERTZ,) * len(places), lower=0.0, upper=3.0, neutral=HERTZ, known_within=0.75,
+            (HERTZ,) * len(places), lower=0.0, upper=1.75, neutral=HERTZ, known_within=0.75,
         ),
         exponent(h_T, "the contact's stiffness", T, 8.0),
     ),

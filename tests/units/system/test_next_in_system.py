@@ -16,6 +16,7 @@ from pipeclamp.cli.app import app
 from pipeclamp_identification.workflow.next_built import after_packaging
 from pipeclamp_identification.workflow.next_in_system import after_cosim, after_response, after_sweep
 from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_system.steady.states import FollowedResponse
 
 
 @dataclass
@@ -58,7 +59,7 @@ class Response:
     @property
     def curves(self):
         state = SimpleNamespace(beyond=(self.beyond,))
-        return [SimpleNamespace(followed=SimpleNamespace(whole=self.whole), states=[state])]
+        return [SimpleNamespace(followed=FollowedResponse((), whole=self.whole), states=[state])]
 
 
 def can_be_run(line):

@@ -127,6 +127,9 @@ def test_a_peak_that_was_not_reached_is_no_result(write, monkeypatch: pytest.Mon
     follow = SteadySystem.curve
     monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[:5])
     ((number, values),) = study.cases()
+    marched = evaluate(study, number, values)
+    assert marched["error"] == ""
+    monkeypatch.setattr(SteadySystem, "marched", lambda *_: None)
     row = evaluate(study, number, values)
     assert "its peak isn't known" in row["error"]
     assert "middle.s [mm]" not in row
@@ -134,7 +137,9 @@ def test_a_peak_that_was_not_reached_is_no_result(write, monkeypatch: pytest.Mon
     monkeypatch.setattr(
         SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[: 5 if first < last else None]
     )
-    assert evaluate(study, number, values)["error"] == ""
+    balanced = evaluate(study, number, values)
+    assert balanced["error"] == ""
+    assert marched["middle.s [mm]"] == pytest.approx(balanced["middle.s [mm]"], rel=0.01)
 
 
 @pytest.mark.parametrize("number", [-1.0, 0.5, 3.0])

@@ -25,6 +25,8 @@ WORDS = "Half the peak-to-peak displacement; the stronger a line's colour, the h
 BEYOND = "a clamp's law beyond its data"
 BEYOND_COLOUR = "#f08c00"
 
+IN_TIME = "found in time"
+
 TRUSTED = {"size": 7, "line": {"color": "white", "width": 1}}
 DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
@@ -88,6 +90,13 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
                 line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"},
                 opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
             )  # fmt: skip
+        for way in in_time(curve, point):
+            figure.add_scatter(
+                x=[frequency for frequency, _ in way], y=[amplitude for _, amplitude in way], mode="lines+markers",
+                name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, "size": 4},
+                line={"color": colour, "width": 1.6, "dash": "dash"},
+                opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
+            )  # fmt: skip
         for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
             own = [
                 dot for dot in response.dots
@@ -105,6 +114,11 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
     if any(any(state.beyond) for curve in response.curves for state in curve.states):
         line = {"color": BEYOND_COLOUR, "width": 7}
         figure.add_scatter(x=[None], y=[None], mode="lines", name=BEYOND, line=line, opacity=0.3)
+    if any(in_time(curve, point) for curve in response.curves):
+        figure.add_scatter(
+            x=[None], y=[None], mode="lines+markers", name=IN_TIME, marker={"color": "#777777", "size": 4},
+            line={"color": "#777777", "width": 1.6, "dash": "dash"},
+        )  # fmt: skip
     for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
         if any(dot.trusted == trusted for dot in response.dots):
             name = "co-simulation" if trusted else "co-simulation, not to be trusted"
@@ -120,6 +134,14 @@ def beyond_pieces(curve: Curve) -> list[list[SteadyState]]:
     """Give the pieces of a curve on which a clamp's law is used beyond its data."""
     runs = (groupby(followed, key=lambda state: any(state.beyond)) for followed in curve.pieces)
     return [list(group) for run in runs for beyond, group in run if beyond]
+
+
+def in_time(curve: Curve, point: int) -> list[list[tuple[float, float]]]:
+    """Give frequency (Hz) and amplitude (mm) at a point of what was found in time, piece by piece; of a motion that
+    isn't steady its smallest and its largest cycle."""
+    steady = [[(state.frequency, amplitudes_of(state)[point]) for state in way] for way in curve.followed.in_time]
+    unsteady = [[(one.frequency, end[point]) for end in (one.low, one.high)] for one in curve.followed.unsteady]
+    return steady + unsteady
 
 
 def pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
