@@ -33,7 +33,6 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
-from pipeclamp_models.law.outline import bound_at
 from pipeclamp_models.realise.force import LawForce
 
 CLOSELY = 1e-5
@@ -431,7 +430,7 @@ def _at_bounds(effects: tuple[str, ...], result: Fit) -> list[Parameter]:
         for name in effects
         for parameter in result.law.structure.effect(name).parameters
         if parameter.name in result.at_bound
-        and parameter.neutral not in (parameter.lower, parameter.upper)
+        and parameter.neutral != result.at_bound[parameter.name]
         and not _likely_beforehand(parameter, result)
     ]
 
@@ -450,5 +449,4 @@ def _shapes(parameter: Parameter) -> bool:
 
 
 def _at_bound_words(parameter: Parameter, result: Fit) -> str:
-    value = bound_at(result.law.values[parameter.name], parameter.lower, parameter.upper)
-    return f"{parameter.name} ran into its bound ({value:.4g})"
+    return f"{parameter.name} ran into its bound ({result.at_bound[parameter.name]:.4g})"

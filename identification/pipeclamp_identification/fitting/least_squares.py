@@ -71,7 +71,7 @@ class Fit:
         fitted: names of the fitted parameters, in the order of `covariance`.
         covariance: shape (fitted, fitted).
         frozen: why a parameter was held, by name.
-        at_bound: parameters that ended at a bound.
+        at_bound: parameters that ended at a bound, each with that bound.
         law_force: force (R, n) and Jacobian at the solution.
         cost: half the sum of squared weighted residuals, without the priors'.
         spreads: standard deviations of the priors, by parameter; those that have none are not in it.
@@ -84,7 +84,7 @@ class Fit:
     fitted: tuple[str, ...]
     covariance: Array
     frozen: Mapping[str, str]
-    at_bound: frozenset[str]
+    at_bound: Mapping[str, float]
     law_force: LawForce
     cost: float
     spreads: Mapping[str, float]
@@ -368,7 +368,7 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
         fitted=(),
         covariance=np.zeros((0, 0)),
         frozen=_reasons(structure, equations, observations),
-        at_bound=frozenset(),
+        at_bound={},
         law_force=law_force,
         cost=float(np.sum(residual**2)) / 2,
         spreads=spreads_of(equations, scales),
@@ -460,7 +460,8 @@ def _finish(
         residual = np.concatenate([evaluator.residual(values[close]), prior.residual(values[close])])
         jacobian = np.concatenate([evaluator.jacobian(values[close]), np.diag(prior.root)])
         held[close] = steps_over_a_bound(values[close], lower[close], upper[close], residual, jacobian)
-    at_bound = {equations.names[index] for index in np.flatnonzero(held)}
+    nearer = np.where(values - lower < upper - values, lower, upper)
+    at_bound = {equations.names[index]: float(nearer[index]) for index in np.flatnonzero(held)}
     free = np.flatnonzero(fitted & ~held)
     spreads = spreads_of(equations, scales)
     roots = priors.root
@@ -485,7 +486,7 @@ def _finish(
         fitted=tuple(equations.names[index] for index in free),
         covariance=covariance_of(scaled, norms, by_run, law.observations.compared(law_force), roots[free] ** 2),
         frozen=frozen,
-        at_bound=frozenset(at_bound),
+        at_bound=at_bound,
         law_force=law_force,
         cost=float(residual @ residual) / 2,
         spreads=spreads,

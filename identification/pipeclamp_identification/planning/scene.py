@@ -202,7 +202,7 @@ def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Sce
     columns = np.concatenate([slopes / norms_of(slopes)[:, None, None], (seen - force)[None]])
     white = np.linalg.solve(np.linalg.cholesky(view.covariance), np.moveaxis(columns, 0, -1))
     added = {one.name for one in fit.law.structure.effect(name).parameters}
-    outside = [place for place, each in enumerate(fit.fitted) if each in fit.at_bound & added]
+    outside = [place for place, each in enumerate(fit.fitted) if each in added & fit.at_bound.keys()]
     return Rival(
         name, np.einsum("rmk,rml->rkl", white, white), np.array(outside, dtype=np.intp),
         len(fit.law.equations.names) - own,

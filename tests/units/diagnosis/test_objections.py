@@ -14,7 +14,7 @@ from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Structure
 
 
-def fit_with(at_bound: str, effects: tuple[str, ...] = ("bouc_wen",)) -> Fit:
+def fit_with(at_bound: str, effects: tuple[str, ...] = ("bouc_wen",), bound: float = 0.0) -> Fit:
     structure = Structure("power", effects)
     observations = loop_observations(loops_of(read_campaign(campaign_folder(Path("clamp_a")))))
     start = starting_points(structure, observations, {})[0]
@@ -23,7 +23,7 @@ def fit_with(at_bound: str, effects: tuple[str, ...] = ("bouc_wen",)) -> Fit:
         unfitted(structure, observations, start),
         fitted=fitted,
         covariance=np.eye(len(fitted)),
-        at_bound=frozenset({at_bound}),
+        at_bound={at_bound: bound},
     )
 
 
@@ -41,6 +41,14 @@ def test_a_magnitude_at_its_bound_speaks_against_an_effect():
     (words,) = objections(("bouc_wen",), fit)
     assert words.startswith("k_b ran into its bound")
     assert reservations(("bouc_wen",), fit) == ()
+
+
+def test_only_the_bound_at_which_it_changes_nothing_is_none():
+    """Of damping v y^2 contacts next to each other were called the cause: their travel was as short as it may be."""
+    assert objections(("unilateral_contact",), fit_with("q_h", ("unilateral_contact",))) == ()
+    shortest = fit_with("q_h", ("unilateral_contact",), bound=2.5)
+    shortest = with_values(shortest, {**shortest.law.values, "q_h": 2.5})
+    assert objections(("unilateral_contact",), shortest) == ("q_h ran into its bound (2.5)",)
 
 
 def test_a_shape_at_the_end_of_its_range_is_no_cause_but_may_take_a_part():
