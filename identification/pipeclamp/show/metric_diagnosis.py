@@ -22,7 +22,7 @@ def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
             100 * diagnosis.heldout[judged.name],
             100 * diagnosis.explained(judged),
             100 * diagnosis.chances[judged.name],
-            "; ".join(judged.objections) or "–",
+            "; ".join((*judged.objections, *judged.reservations)) or "–",
         )
         for judged in diagnosis.shown
     ]

@@ -112,9 +112,7 @@ class MetricDiagnosed:
         if named is None:
             return ()
         takes = f"{WITH.join(named.effects)} takes {self.diagnosis.explained(named):.0%}"
-        where = (
-            "is missing, on left-out conditions" if self.diagnosis.scales.much_remains else "the metrics show missing"
-        )
+        where = "is missing, on left-out conditions" if self.diagnosis.of_left_out else "the metrics show missing"
         return (f"{takes} of what {where}",)
 
     def cautions(self) -> list[str]:

@@ -140,7 +140,7 @@ def _candidate(judged: MetricJudged, diagnosis: MetricDiagnosis) -> MetricCandid
         nrmse=error(judged, diagnosis),
         explained=diagnosis.explained(judged),
         chance=diagnosis.chances[judged.name],
-        objections=judged.objections,
+        objections=(*judged.objections, *judged.reservations),
         parameters={
             parameter.name: judged.result.law.values[parameter.name]
             for effect in judged.result.equations.effects

@@ -65,6 +65,7 @@ class MetricJudged:
         result: the fit.
         residual: logs of measured over computed dW and W over their standard errors, shape (R, 2).
         objections: why it can't be named; empty where nothing speaks against it.
+        reservations: why it isn't the cause, though it may take a part.
     """
 
     effects: tuple[str, ...]
@@ -72,6 +73,12 @@ class MetricJudged:
     result: Fit
     residual: Array
     objections: tuple[str, ...]
+    reservations: tuple[str, ...] = ()
+
+    @property
+    def may_be_cause(self) -> bool:
+        """Whether nothing speaks against naming it as the cause."""
+        return not self.objections and not self.reservations
 
     @property
     def name(self) -> str:
@@ -125,7 +132,8 @@ def judged_fit(effects: tuple[str, ...], result: Fit, observations: MetricObserv
         result.law.structure,
         result,
         observations.residual(result.law_force),
-        (*objections(effects, result), *reservations(effects, result)),
+        objections(effects, result),
+        reservations(effects, result),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -130,11 +130,19 @@ class MetricDiagnosis:
         if self.named is None:
             return None
         nearly_all = self.explained(self.named) > NEARLY_ALL_SHARE
-        return "cause" if nearly_all and not self.scales.much_remains else "part"
+        return "cause" if nearly_all and not self.of_left_out else "part"
+
+    @property
+    def of_left_out(self) -> bool:
+        """Whether shares are of left-out conditions: much remains, or what is named first hasn't the right form."""
+        return self.scales.much_remains or (self.named is not None and not self.named.may_be_cause)
 
     def explained(self, judged: MetricJudged) -> float:
-        """Give the share of what is missing that a law explains; see `MetricScales.explained`."""
-        return self.scales.explained(judged)
+        """Give the share of what is missing that a law explains.
+
+        Of what the richest law explains, or, where that can't be relied on, of the squares on left-out conditions.
+        """
+        return self.scales.on_left_out(judged) if self.of_left_out else self.scales.of_richest(judged)
 
     @property
     def shown(self) -> tuple[MetricJudged, ...]:
@@ -173,10 +181,10 @@ def diagnose_metrics(
     seen = [entry for entry in looks if not entry.hidden]
     thoroughly = lacks(law)
     fitted = [_with(law, entry, observations, tell, thoroughly=thoroughly) for entry in seen]
-    alone = min((judged for judged in fitted if not judged.objections), key=_score, default=law)
+    alone = min((judged for judged in fitted if judged.may_be_cause), key=_score, default=law)
     together = pairs(law, fitted, campaign.condition_columns, observations, tell) if lacks(alone) else []
     law = _from_another_valley(law, [*fitted, *together], observations) if thoroughly else law
-    richest = _richest(law, [*fitted, *together], names, observations, tell)
+    richest = _richest(law, [*fitted, *together], names, observations, lacks, tell)
     scatter = scatter_of(richest, observations, SCATTER)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
@@ -184,7 +192,7 @@ def diagnose_metrics(
     law, richest = again(law), again(richest)
     candidates, together = (sorted(map(again, judged), key=_score) for judged in (fitted, together))
     apart = {entry.name for entry in seen if not entry.imitated}
-    sound = (judged for judged in candidates if judged.effects[0] in apart and not judged.objections)
+    sound = (judged for judged in candidates if judged.effects[0] in apart and judged.may_be_cause)
     tried = max(len(_unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1) + len(together)
     chances = {judged.name: min(1.0, tried * chance(law, judged, scatter)) for judged in (*candidates, *together)}
     hidden = {entry.name: entry.hidden for entry in looks if entry.hidden}
@@ -291,17 +299,25 @@ def _richest(
     fitted: Sequence[MetricJudged],
     names: Sequence[str],
     observations: MetricObservations,
+    lacks: Callable[[MetricJudged], bool],
     tell: Progress,
 ) -> MetricJudged:
-    """Add what the metrics support, one effect after the other, for the scatter to be told from what is left."""
+    """Add what the metrics support, one effect after the other, for the scatter to be told from what is left.
+
+    Where what may be the cause leaves more than scatter, also what may take a part only.
+    """
     expected = Scatter(np.full(2, SCATTER), np.full(2, EXPECTED_FREEDOMS))
     richest = law
     while len(richest.effects) < LONGEST:
-        sound = [judged for judged in fitted if not judged.objections and judged.freedoms >= FEWEST_FREEDOMS]
-        best = min(sound, key=lambda judged: judged.score, default=richest)
-        if best is richest or chance(richest, best, expected) > REAL_CHANCE:
+        usable = [
+            judged for judged in fitted
+            if not judged.objections and judged.freedoms >= FEWEST_FREEDOMS
+            and chance(richest, judged, expected) <= REAL_CHANCE
+        ]  # fmt: skip
+        sound = [judged for judged in usable if judged.may_be_cause]
+        if not usable or not (sound or lacks(richest)):
             break
-        richest = best
+        richest = min(sound or usable, key=_score)
         left = [name for name in names if name not in richest.effects]
         seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
         seen.sort(key=lambda entry: -entry.promise)

@@ -9,7 +9,11 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
 from pipeclamp_identification.diagnosis.named import WITH
-from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
+from pipeclamp_identification.diagnosis.thresholds import (
+    BEYOND_DOUBT_DRAWS_SHARE,
+    MATERIAL_PART_SHARE,
+    RIVAL_DRAWS_SHARE,
+)
 from pipeclamp_identification.fitting.resampling import share_of_gains
 from pipeclamp_identification.metrics_only.campaign import SCATTER
 from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, MetricJudged, Scatter
@@ -24,6 +28,9 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.file import Verdict
 
 MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or record the loops"
+
+MOST_LEFT_OUT = 4
+"""Likeliest effects, and likeliest pairs, that are asked for left-out conditions, at most."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +75,8 @@ class MetricScales:
         whole = self.law.squares - min(self.richest.squares, judged.squares)
         return float(np.clip((self.law.squares - judged.squares) / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
-    def explained(self, judged: MetricJudged) -> float:
-        """Give the share of what is missing that a law explains.
-
-        Of what the richest law explains; where much remains, of the squares on left-out conditions.
-        """
-        if not self.much_remains:
-            return self.of_richest(judged)
+    def on_left_out(self, judged: MetricJudged) -> float:
+        """Give the share of the law's squares on left-out conditions that another one takes."""
         before = float(self.heldout(self.law).sum())
         return float(np.clip(1 - self.heldout(judged).sum() / before, 0.0, 1.0)) if before > 0 else 0.0
 
@@ -82,36 +84,36 @@ class MetricScales:
         """Tell whether a law lowers the error on left-out conditions materially and beyond doubt."""
         gain = self.heldout(self.law) - self.heldout(judged)
         sure = len(gain) > 1 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE
-        return bool(sure and self.explained(judged) >= MATERIAL_PART_SHARE)
+        return bool(sure and self.on_left_out(judged) >= MATERIAL_PART_SHARE)
 
 
 def weigh(scales: MetricScales) -> Weighed:
     """Weigh the candidates."""
     law, told = scales.law, _scatter_words(scales.scatter)
-    sound = [each for each in scales.candidates if not each.objections and each.squares < law.squares]
+    usable = [each for each in scales.candidates if not each.objections and each.squares < law.squares]
+    sound = [each for each in usable if each.may_be_cause]
     likely = [each for each in sound if scales.chances[each.name] < REAL_CHANCE]
     both = [each for each in scales.pairs if _outdoes(each, likely[0] if likely else None, scales)]
-    if both:
-        sound, likely = [*both, *sound], both
-    if not likely:
-        return _none_likely(sound, scales, told)
-    if scales.much_remains:
-        return _part(sound, likely, scales, told)
-    best = likely[0]
+    if scales.much_remains or not (likely or both):
+        part = _part(usable, scales, told) if scales.lack[0] < REAL_CHANCE else None
+        return part or _nothing(sound, likely, scales, told)
+    best = both[0] if both else likely[0]
     share = scales.of_richest(best)
     if share < GREATER_PART_SHARE:
         patchwork = f"no effect alone explains the greater part of what is missing; the best, {best.name}, {share:.0%}"
         return Weighed("unknown", (), (patchwork, MORE_TESTS, told))
-    named = _with_rivals(best, sound)
+    named = _with_rivals(best, [*both, *sound])
     if len(named) > 1:
         return Weighed("ambiguous", named, (f"dW and W at these conditions can't tell {_from(named)}", told))
     gain = f"{_both(best)} explains {share:.0%} of what the metrics show missing"
     return Weighed("missing", (best,), (gain, *_brings(best), _by_chance(best, scales), told))
 
 
-def _none_likely(sound: Sequence[MetricJudged], scales: MetricScales, told: str) -> Weighed:
-    """Say that nothing is missing, or that nothing in the catalogue is."""
+def _nothing(sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scales: MetricScales, told: str) -> Weighed:
+    """Say that nothing is missing, or that nothing can be named for it."""
     law = scales.law
+    if likely:
+        return Weighed("unknown", (), (_remains(scales), MORE_TESTS, told))
     hint = (
         f"the likeliest effect, {sound[0].name}, gains what scatter gains in {scales.chances[sound[0].name]:.0%} of "
         "all cases" if sound else "no effect gains anything"
@@ -125,26 +127,56 @@ def _none_likely(sound: Sequence[MetricJudged], scales: MetricScales, told: str)
     return Weighed("complete", (), ("what dW and W show is scatter", hint, told))
 
 
-def _part(sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scales: MetricScales, told: str) -> Weighed:
-    """Name what plainly takes most on left-out conditions, though more than scatter remains with all that helps."""
-    remains = f"{' and '.join(scales.richest.effects)} together leave more than scatter"
-    large = [each for each in likely if scales.of_richest(each) >= GREATER_PART_SHARE]
-    best = next((each for each in large if scales.takes_part(each)), None)
-    if best is None:
-        return Weighed("unknown", (), (remains, MORE_TESTS, told))
-    named = tuple(each for each in _with_rivals(best, sound) if each is best or scales.takes_part(each))
+def _remains(scales: MetricScales) -> str:
+    added = scales.richest.effects
+    return f"{' and '.join(added)} together leave more than scatter" if added else "what is left is more than scatter"
+
+
+def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> Weighed | None:
+    """Name what clearly takes most on left-out conditions, though much remains or its form isn't right; else None.
+
+    Args:
+        usable: candidates that nothing physical speaks against, likeliest first.
+        scales: all of them.
+        told: what is taken for scatter, in words.
+    """
+    alone = _taking_part(usable, scales)
+    both = _taking_part([each for each in scales.pairs if not each.objections], scales)
+    left = float(scales.heldout(alone[0] if alone else scales.law).sum())
+    both = [each for each in both if scales.heldout(each).sum() <= (1 - HALF_TAKEN_SHARE) * left]
+    taking = both or alone
+    if not taking:
+        return None
+    best = taking[0]
+    near = [each for each in taking if each is best or _comes_near(each, best, scales)]
+    named = tuple(next(each for each in near if each.effects[0] == name) for name in _firsts(near))
     takes = (
-        f"{_both(best)} takes {scales.explained(best):.0%} of what is missing (mean square of the logs, on left-out "
+        f"{_both(best)} takes {scales.on_left_out(best):.0%} of what is missing (mean square of the logs, on left-out "
         "conditions)"
     )
+    form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
+    further = (*form, *([_remains(scales)] if scales.much_remains else []))
     if len(named) > 1:
-        return Weighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", remains, told))
-    return Weighed("missing", named, (takes, *_brings(best), remains, _by_chance(best, scales), told))
+        return Weighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", *further, told))
+    return Weighed("missing", named, (takes, *_brings(best), *further, _by_chance(best, scales), told))
+
+
+def _taking_part(laws: Sequence[MetricJudged], scales: MetricScales) -> list[MetricJudged]:
+    """Give the laws that take the greater part of what the richest one does, and a part beyond doubt; best first."""
+    able = [each for each in laws if scales.chances[each.name] < REAL_CHANCE]
+    large = [each for each in able if scales.of_richest(each) >= GREATER_PART_SHARE][:MOST_LEFT_OUT]
+    return sorted(filter(scales.takes_part, large), key=lambda each: float(scales.heldout(each).sum()))
+
+
+def _comes_near(other: MetricJudged, best: MetricJudged, scales: MetricScales) -> bool:
+    """Tell whether a law does better than the best on left-out conditions in some of their draws, or as a whole."""
+    better = share_of_gains(scales.heldout(best) - scales.heldout(other)) > RIVAL_DRAWS_SHARE
+    return better or other.score < best.score + RIVAL_LIKELIHOOD
 
 
 def _outdoes(pair: MetricJudged, alone: MetricJudged | None, scales: MetricScales) -> bool:
     """Tell whether an effect with what scales only it takes half, or more, of what the best one alone would leave."""
-    if pair.objections or scales.chances[pair.name] >= REAL_CHANCE:
+    if not pair.may_be_cause or scales.chances[pair.name] >= REAL_CHANCE:
         return False
     if alone is not None and pair.score > alone.score - RIVAL_LIKELIHOOD:
         return False
@@ -160,8 +192,11 @@ def _with_rivals(best: MetricJudged, sound: Sequence[MetricJudged]) -> tuple[Met
         (each for each in sound if each is best or each.score < best.score + RIVAL_LIKELIHOOD),
         key=lambda each: each.score,
     )
-    names = distinct(each.effects[0] for each in near)
-    return tuple(next(each for each in near if each.effects[0] == name) for name in names)
+    return tuple(next(each for each in near if each.effects[0] == name) for name in _firsts(near))
+
+
+def _firsts(laws: Sequence[MetricJudged]) -> tuple[str, ...]:
+    return distinct(each.effects[0] for each in laws)
 
 
 def _from(named: Sequence[MetricJudged]) -> str:
