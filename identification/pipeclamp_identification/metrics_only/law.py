@@ -53,7 +53,7 @@ def identify_metrics(
         )
     structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items()))).with_declared(declared)
     refuse_unknown(structure)
-    return fit_to_metrics(structure, metric_observations(campaign), [{}], TOLERANCE, progress)
+    return fit_to_metrics(structure, metric_observations(campaign), {}, TOLERANCE, progress)
 
 
 def metric_law_file(

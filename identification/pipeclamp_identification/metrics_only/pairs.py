@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from pipeclamp_identification.diagnosis.screen import candidate_names, fits, fits_beside
-from pipeclamp_identification.metrics_only.evidence import ROUGHLY, MetricJudged
+from pipeclamp_identification.metrics_only.evidence import ROUGHLY, MetricJudged, judged_fit
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.screen import look
-from pipeclamp_identification.metrics_only.valleys import judge_from_starts
+from pipeclamp_identification.metrics_only.valleys import fit_from_each, sized_by_shares
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import with_effect
 
@@ -47,6 +47,7 @@ def pairs(
             effects = (*first.effects, second)
             tell(f"fit {' and '.join(effects)}")
             larger = with_effect(first.structure, second)
-            starts = (law.result.law.values, first.result.law.values)
-            found.append(judge_from_starts(effects, larger, starts, observations, ROUGHLY))
+            starts = (first.result.law.values, sized_by_shares(larger, observations, law.result.law.values))
+            both = fit_from_each(larger, observations, starts, ROUGHLY)
+            found.append(judged_fit(effects, both, observations))
     return found

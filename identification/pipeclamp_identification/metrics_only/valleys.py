@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from pipeclamp_identification.fitting.least_squares import Fit, fit
-from pipeclamp_identification.metrics_only.evidence import ROUGHLY, MetricJudged, judged_fit
+from pipeclamp_identification.metrics_only.evidence import ROUGHLY
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import Structure
@@ -14,14 +14,14 @@ ANOTHER_VALLEY_SHARE = 0.01
 """Fits whose costs differ by less than this share have ended in one valley, or in two that are as good."""
 
 
-def fit_to_metrics(
+def fit_from_each(
     structure: Structure,
     observations: MetricObservations,
     starts: Sequence[Mapping[str, float]],
     tolerance: float,
     progress: Progress | None = None,
 ) -> Fit:
-    """Fit a law to logs of energies, from each start as it is, and from where a fit to the energies themselves ends.
+    """Fit a law to metrics from each of several starts.
 
     Args:
         structure: what is fitted.
@@ -36,29 +36,34 @@ def fit_to_metrics(
     Raises:
         UserError: there are fewer observations than free parameters.
     """
-    shares = observations.as_shares()
-    best: Fit | None = None
-    for start in starts:
-        sized = fit(structure, shares, start=start, tolerance=ROUGHLY, progress=progress).law.values
-        for begin in (start, sized):
-            found = fit(structure, observations, start=begin, tolerance=tolerance, progress=progress)
-            if best is None or found.cost < best.cost * (1 - ANOTHER_VALLEY_SHARE):
-                best = found
-    assert best is not None
+    first, *others = starts
+    best = fit(structure, observations, start=first, tolerance=tolerance, progress=progress)
+    for start in others:
+        found = fit(structure, observations, start=start, tolerance=tolerance, progress=progress)
+        if found.cost < best.cost * (1 - ANOTHER_VALLEY_SHARE):
+            best = found
     return best
 
 
-def judge_from_starts(
-    effects: tuple[str, ...],
-    structure: Structure,
-    starts: Sequence[Mapping[str, float]],
-    observations: MetricObservations,
-    tolerance: float,
-) -> MetricJudged:
-    """Fit a structure to metrics from several starts and say what speaks against it; see `fit_to_metrics`.
+def sized_by_shares(
+    structure: Structure, observations: MetricObservations, start: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Give a start where a fit to the energies themselves ends, which finds how large each effect is.
 
     Args:
-        effects: what the structure has beyond the law as it is.
-        structure, starts, observations, tolerance: as for `fit_to_metrics`.
+        structure, observations: as for `fit_from_each`.
+        start: values that this fit starts from.
     """
-    return judged_fit(effects, fit_to_metrics(structure, observations, starts, tolerance), observations)
+    return fit(structure, observations.as_shares(), start=start, tolerance=ROUGHLY).law.values
+
+
+def fit_to_metrics(
+    structure: Structure,
+    observations: MetricObservations,
+    start: Mapping[str, float],
+    tolerance: float,
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit a law to metrics from a start as it is, and as a fit to the energies sizes it; see `fit_from_each`."""
+    starts = (start, sized_by_shares(structure, observations, start))
+    return fit_from_each(structure, observations, starts, tolerance, progress)

@@ -22,6 +22,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     chance,
     chance_of_lack,
     judge_metrics,
+    judged_fit,
     scatter_of,
     single_rows,
 )
@@ -34,7 +35,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
-from pipeclamp_identification.metrics_only.valleys import judge_from_starts
+from pipeclamp_identification.metrics_only.valleys import fit_from_each, fit_to_metrics
 from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
@@ -173,7 +174,7 @@ def diagnose_metrics(
     smooth = _smooth(campaign, observations)
     lacks = partial(_lacks, observations=observations, smooth=smooth)
     tell("law as it is")
-    law = judge_from_starts((), structure, [{}], observations, CLOSELY)
+    law = judged_fit((), fit_to_metrics(structure, observations, {}, CLOSELY), observations)
     refinements = [effect.refinement for effect in structure.all_effects() if effect.refinement]
     unseen = {refinement.name for refinement in refinements if not refinement.seen_in_metrics}
     names = [name for name in candidate_names(structure, campaign.condition_columns) if name not in unseen]
@@ -238,7 +239,7 @@ def _from_another_valley(
     """Give the law as it is, fitted from where candidates ended that do best: they may have left a poor valley."""
     best = sorted(judged, key=lambda one: one.squares)[:ON_THE_WAY]
     starts = [law.result.law.values, *(law.structure.own(one.result.law.values) for one in best)]
-    return judge_from_starts((), law.structure, starts, observations, CLOSELY)
+    return judged_fit((), fit_from_each(law.structure, observations, starts, CLOSELY), observations)
 
 
 def _unlike(effects: Iterable[Effect]) -> list[str]:
@@ -285,7 +286,7 @@ def _with(
     larger, start = with_effect(law.structure, entry.name), law.result.law.values
     # Not from the look's start alone: what one step promises doesn't tell which valley is deepest.
     if thoroughly:
-        return judge_from_starts(effects, larger, [start], observations, ROUGHLY)
+        return judged_fit(effects, fit_to_metrics(larger, observations, start, ROUGHLY), observations)
     return judge_metrics(effects, larger, start, observations, ROUGHLY)
 
 

@@ -142,8 +142,12 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> We
     """
     alone = _taking_part(usable, scales)
     both = _taking_part([each for each in scales.pairs if not each.objections], scales)
-    left = float(scales.heldout(alone[0] if alone else scales.law).sum())
-    both = [each for each in both if scales.heldout(each).sum() <= (1 - HALF_TAKEN_SHARE) * left]
+    by_itself = alone[0] if alone else scales.law
+    left = float(scales.heldout(by_itself).sum())
+    both = [
+        each for each in both
+        if scales.heldout(each).sum() <= (1 - HALF_TAKEN_SHARE) * left and each.score < by_itself.score
+    ]  # fmt: skip
     taking = both or alone
     if not taking:
         return None

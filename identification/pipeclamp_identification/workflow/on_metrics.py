@@ -129,7 +129,7 @@ class MetricTests:
         observations = metric_observations(self.campaign)
         before = compare_metrics(file, self.campaign).nrmse
         progress("refit")
-        result = fit_to_metrics(structure, observations, [start], TOLERANCE, progress)
+        result = fit_to_metrics(structure, observations, start, TOLERANCE, progress)
         progress("error on left-out conditions")
         heldout = (
             heldout_error(law.structure, observations, law.values),
