@@ -36,7 +36,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     REAL_CHANCE,
 )
 from pipeclamp_identification.metrics_only.valleys import fit_from_each, fit_to_metrics
-from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, weigh
+from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, outdoes_in_fit, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Effect
@@ -185,7 +185,7 @@ def diagnose_metrics(
     alone = min((judged for judged in fitted if judged.may_be_cause), key=_score, default=law)
     together = pairs(law, fitted, campaign.condition_columns, observations, tell) if lacks(alone) else []
     law = _from_another_valley(law, [*fitted, *together], observations) if thoroughly else law
-    richest = _richest(law, [*fitted, *together], names, observations, lacks, tell)
+    richest = _richest(law, fitted, together, names, observations, lacks, tell)
     scatter = scatter_of(richest, observations, SCATTER)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
@@ -194,8 +194,12 @@ def diagnose_metrics(
     candidates, together = (sorted(map(again, judged), key=_score) for judged in (fitted, together))
     apart = {entry.name for entry in seen if not entry.imitated}
     sound = (judged for judged in candidates if judged.effects[0] in apart and judged.may_be_cause)
-    tried = max(len(_unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1) + len(together)
-    chances = {judged.name: min(1.0, tried * chance(law, judged, scatter)) for judged in (*candidates, *together)}
+    tried = max(len(_unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1)
+    chances = {
+        judged.name: min(1.0, count * chance(law, judged, scatter))
+        for several, count in ((candidates, tried), (together, tried + len(together)))
+        for judged in several
+    }
     hidden = {entry.name: entry.hidden for entry in looks if entry.hidden}
     hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
     lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
@@ -298,6 +302,7 @@ def _again(judged: MetricJudged, observations: MetricObservations) -> MetricJudg
 def _richest(
     law: MetricJudged,
     fitted: Sequence[MetricJudged],
+    together: Sequence[MetricJudged],
     names: Sequence[str],
     observations: MetricObservations,
     lacks: Callable[[MetricJudged], bool],
@@ -305,20 +310,22 @@ def _richest(
 ) -> MetricJudged:
     """Add what the metrics support, one effect after the other, for the scatter to be told from what is left.
 
-    Where what may be the cause leaves more than scatter, also what may take a part only.
+    Where what may be the cause leaves more than scatter, also what may take a part only. Two that come together are
+    added where they take half, or more, of what the best one alone would leave.
     """
     expected = Scatter(np.full(2, SCATTER), np.full(2, EXPECTED_FREEDOMS))
     richest = law
     while len(richest.effects) < LONGEST:
-        usable = [
-            judged for judged in fitted
-            if not judged.objections and judged.freedoms >= FEWEST_FREEDOMS
-            and chance(richest, judged, expected) <= REAL_CHANCE
-        ]  # fmt: skip
+        supported = partial(_supported, richest=richest, expected=expected)
+        usable = list(filter(supported, fitted))
         sound = [judged for judged in usable if judged.may_be_cause]
-        if not usable or not (sound or lacks(richest)):
+        able = sound or (usable if lacks(richest) else [])
+        best = min(able, key=_score, default=richest)
+        outdoing = [judged for judged in filter(supported, together) if outdoes_in_fit(judged, best)]
+        best = min(outdoing, key=_score, default=best)
+        if best is richest:
             break
-        richest = min(sound or usable, key=_score)
+        richest, together = best, ()
         left = [name for name in names if name not in richest.effects]
         seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
         seen.sort(key=lambda entry: -entry.promise)
@@ -326,3 +333,9 @@ def _richest(
         chosen = [entry for entry in seen if entry.name in unlike][:ON_THE_WAY]
         fitted = [_with(richest, entry, observations, tell, thoroughly=False) for entry in chosen]
     return richest
+
+
+def _supported(judged: MetricJudged, richest: MetricJudged, expected: Scatter) -> bool:
+    """Tell whether metrics support a law beyond the richest one so far."""
+    enough = not judged.objections and judged.freedoms >= FEWEST_FREEDOMS
+    return enough and chance(richest, judged, expected) <= REAL_CHANCE

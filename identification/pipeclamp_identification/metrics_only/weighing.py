@@ -182,12 +182,21 @@ def _outdoes(pair: MetricJudged, alone: MetricJudged | None, scales: MetricScale
     """Tell whether an effect with what scales only it takes half, or more, of what the best one alone would leave."""
     if not pair.may_be_cause or scales.chances[pair.name] >= REAL_CHANCE:
         return False
-    if alone is not None and pair.score > alone.score - RIVAL_LIKELIHOOD:
+    if alone is not None and not _clearly_likelier(pair, alone):
         return False
     whole = scales.law.squares - min(scales.richest.squares, pair.squares)
     by_itself = scales.law.squares - alone.squares if alone else 0.0
     together = scales.law.squares - pair.squares
     return together - by_itself >= HALF_TAKEN_SHARE * (whole - by_itself)
+
+
+def outdoes_in_fit(pair: MetricJudged, alone: MetricJudged) -> bool:
+    """Tell whether two effects together leave half, or less, of what one alone does, and are clearly likelier."""
+    return pair.squares <= (1 - HALF_TAKEN_SHARE) * alone.squares and _clearly_likelier(pair, alone)
+
+
+def _clearly_likelier(pair: MetricJudged, alone: MetricJudged) -> bool:
+    return pair.score <= alone.score - RIVAL_LIKELIHOOD
 
 
 def _with_rivals(best: MetricJudged, sound: Sequence[MetricJudged]) -> tuple[MetricJudged, ...]:
