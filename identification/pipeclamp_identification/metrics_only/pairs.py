@@ -47,7 +47,8 @@ def pairs(
             effects = (*first.effects, second)
             tell(f"fit {' and '.join(effects)}")
             larger = with_effect(first.structure, second)
-            starts = (first.result.law.values, sized_by_shares(larger, observations, law.result.law.values))
-            both = fit_from_each(larger, observations, starts, ROUGHLY)
+            # the law's own values may be what keeps both from their place: without any, too
+            sized = (sized_by_shares(larger, observations, values) for values in (law.result.law.values, {}))
+            both = fit_from_each(larger, observations, (first.result.law.values, *sized), ROUGHLY)
             found.append(judged_fit(effects, both, observations))
     return found
