@@ -28,7 +28,7 @@ def metric_promised(diagnosis: MetricDiagnosis) -> list[Rung]:
     """Give the law as it is, and what the effect that is named first would make of it."""
     rungs = [Rung("law as it is", {LEFT_OUT: diagnosis.heldout[""]})]
     if diagnosis.named is not None:
-        name = diagnosis.named.effects[0]
+        name = diagnosis.named.name
         explained = diagnosis.explained(diagnosis.named)
         rungs.append(Rung(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True, explained=explained))
     return rungs

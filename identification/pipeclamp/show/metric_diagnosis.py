@@ -17,14 +17,14 @@ def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
     """Give the candidates, best first, and the law as it is."""
     rows: list[tuple[str | float | None, ...]] = [
         (
-            judged.effects[0],
+            judged.name,
             100 * error(judged, diagnosis),
-            100 * diagnosis.heldout[judged.effects[0]],
+            100 * diagnosis.heldout[judged.name],
             100 * diagnosis.explained(judged),
-            100 * diagnosis.chances[judged.effects[0]],
-            "; ".join(judged.objections) or "–",
+            100 * diagnosis.chances[judged.name],
+            "; ".join((*judged.objections, *judged.reservations)) or "–",
         )
-        for judged in diagnosis.candidates
+        for judged in diagnosis.shown
     ]
     own = (100 * error(diagnosis.law, diagnosis), 100 * diagnosis.heldout[""])
     rows.append(("law as it is, refitted", *own, 0.0, None, "–"))

@@ -56,6 +56,8 @@ METRIC_COLUMNS = MappingProxyType(
         "max_elastic_energy_J": "above 0 J",
         "loss_factor": "above 0",
         "stiffness_N_mm": "above 0 N/mm",
+        "storage_stiffness_N_mm": "above 0 N/mm",
+        "loss_stiffness_N_mm": "above 0 N/mm",
     }
 )
 

@@ -25,6 +25,11 @@ SCATTER = 0.01
 reading a loop's extremes adds."""
 SAMPLES = 256
 """Points of the cycle at which laws are evaluated: an extreme between two of them is higher by less than 0.01 %."""
+MOST_DISSIPATED = 8.0
+"""dW over W of the fullest loop that there is, a rectangle: 2 X0 by Fmax - Fmin, and W is a quarter of Fmax - Fmin by
+X0."""
+OF_A_PHASE = ("storage_stiffness_N_mm", "loss_stiffness_N_mm")
+"""Stiffness in phase with the displacement and with the velocity: of a sine, k = |k' + i k''|, dW = pi k'' X0^2."""
 ALIKE = 0.01
 """A third metric that is stated beside two others must agree with them to this share, rounding aside."""
 
@@ -83,6 +88,8 @@ def metric_campaign_of(
     for row in table.rows:
         reason = _unusable(row)
         run = None if reason else _run(folder / FILE_NAME, row)
+        if run:
+            reason = _impossible(run)
         twin = next((other.name for other in runs if run and _same(run, other)), None)
         if twin:
             reason = f"it has the same numbers as run {twin!r}: one measurement, counted once"
@@ -106,7 +113,8 @@ def metric_campaign_of(
 def _refuse_half(path: Path, table: RunsTable) -> None:
     """Refuse a table that tells only how much loops dissipate, or only how stiff they are."""
     stated = {column for row in table.rows for column in row.metrics}
-    if len(stated) < 2 or stated == {"max_elastic_energy_J", "stiffness_N_mm"}:
+    energies = stated - set(OF_A_PHASE)
+    if not stated >= set(OF_A_PHASE) and (len(energies) < 2 or energies == {"max_elastic_energy_J", "stiffness_N_mm"}):
         raise UserError(
             f"{path}: states {' and '.join(sorted(stated)) or 'no metric'} only; expected two of "
             f"{', '.join(METRIC_COLUMNS)} that give dW and W: a law's damping follows from one, its stiffness from the "
@@ -120,6 +128,8 @@ def _unusable(row: RunRow) -> str:
         if value is None:
             return f"{column} isn't known, and there is no record to measure it from"
     stated = set(row.metrics)
+    if stated >= set(OF_A_PHASE):
+        return ""
     if not stated & {"max_elastic_energy_J", "stiffness_N_mm"} and not stated >= {"dissipated_energy_J", "loss_factor"}:
         return "its elastic energy isn't known"
     if not stated & {"dissipated_energy_J", "loss_factor"}:
@@ -135,6 +145,9 @@ def _run(path: Path, row: RunRow) -> MetricRun:
     stated = {column: (metric.value, metric.rounding / metric.value) for column, metric in row.metrics.items()}
     stiffness, factor = stated.get("stiffness_N_mm"), stated.get("loss_factor")
     elastic, dissipated = stated.get("max_elastic_energy_J"), stated.get("dissipated_energy_J")
+    if set(stated) >= set(OF_A_PHASE):
+        of_sine = _of_a_sine(stated, half_square)
+        dissipated, elastic = dissipated or of_sine[0], elastic or of_sine[1]
     if elastic is None:
         if stiffness is not None:
             elastic = stiffness[0] * half_square, stiffness[1]
@@ -169,6 +182,27 @@ def _run(path: Path, row: RunRow) -> MetricRun:
         dissipated_energy_J=dissipated[0],
         max_elastic_energy_J=elastic[0],
         rounding=(dissipated[1], elastic[1]),
+    )
+
+
+def _of_a_sine(
+    stated: Mapping[str, tuple[float, float]], half_square: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Give dW and W of storage and loss stiffness, each with what rounding leaves open of it, as a share."""
+    (storage, of_storage), (loss, of_loss) = (stated[column] for column in OF_A_PHASE)
+    whole = math.hypot(storage, loss)
+    rounding = math.hypot(storage**2 * of_storage, loss**2 * of_loss) / whole**2
+    return (2 * math.pi * loss * half_square, of_loss), (whole * half_square, rounding)
+
+
+def _impossible(run: MetricRun) -> str:
+    """Say that no loop has such energies; empty where one has."""
+    ratio = run.dissipated_energy_J / run.max_elastic_energy_J
+    if ratio <= MOST_DISSIPATED * (1 + ALIKE + 4 * math.hypot(*run.rounding)):
+        return ""
+    return (
+        f"its dW is {ratio:.3g} times its W, and no loop encloses more than {MOST_DISSIPATED:g} times: W is of the "
+        f"largest force, Fmax X0/2; where it is that of a storage modulus, state {' and '.join(OF_A_PHASE)} instead"
     )
 
 

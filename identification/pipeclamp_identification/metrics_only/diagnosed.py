@@ -8,11 +8,12 @@ from typing import Self
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest
-from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
+from pipeclamp_identification.metrics_only.weighing import Weighed
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import Kind, LawFile, Verdict, structure_of
@@ -66,8 +67,9 @@ class MetricDiagnosed:
 
     @property
     def together(self) -> tuple[str, ...]:
-        """Nothing: metrics name one effect."""
-        return ()
+        """What is named first, and the effect that scales what only it brings; empty where it is named alone."""
+        named = self.diagnosis.named
+        return () if named is None or len(named.effects) < 2 else named.effects
 
     @property
     def other_parts(self) -> Mapping[str, float]:
@@ -81,22 +83,24 @@ class MetricDiagnosed:
 
     @property
     def values(self) -> Mapping[str, float]:
-        """Nothing: the fit to two numbers a run is quick, and finds its own beginning."""
-        return {}
+        """Parameters of the law with what is named first, by name; empty where nothing is named."""
+        named = self.diagnosis.named
+        return {} if named is None else named.result.law.values
 
     def naming_a_part(self, reason: str) -> Self:
         """Give the same with what it names as the cause for a part, for this reason."""
-        diagnosis = replace(self.diagnosis, reasons=(*self.diagnosis.reasons, reason))
-        return replace(self, diagnosis=diagnosis, beside_a_part=True)
+        found = replace(self.diagnosis.found, reasons=(*self.diagnosis.reasons, reason))
+        return replace(self, diagnosis=replace(self.diagnosis, found=found), beside_a_part=True)
 
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
-        diagnosis = replace(self.diagnosis, verdict="unknown", effects=(), reasons=(reason,))
+        diagnosis = replace(self.diagnosis, found=Weighed("unknown", (), (reason,)))
         return replace(self, diagnosis=diagnosis, proposal=None, no_test="")
 
     def headline(self) -> str:
         """Give the verdict in words."""
-        return HEADLINES[self.verdict, self.kind].format(" or ".join(self.diagnosis.effects))
+        names = " or ".join(WITH.join(law.effects) for law in self.diagnosis.found.laws)
+        return HEADLINES[self.verdict, self.kind].format(names)
 
     def words(self) -> list[str]:
         """Say why, what it rests on, and what metrics can't show."""
@@ -107,12 +111,14 @@ class MetricDiagnosed:
         named = self.diagnosis.named
         if named is None:
             return ()
-        return (f"{named.effects[0]} takes {self.diagnosis.explained(named):.0%} of what the metrics show missing",)
+        takes = f"{WITH.join(named.effects)} takes {self.diagnosis.explained(named):.0%}"
+        where = "is missing, on left-out conditions" if self.diagnosis.of_left_out else "the metrics show missing"
+        return (f"{takes} of what {where}",)
 
     def cautions(self) -> list[str]:
         """Warn where what was named rests on single measurements."""
         diagnosis, words = self.diagnosis, [NO_PROOF] if self.kind == "part" else []
-        name = "".join(diagnosis.effects[:1])
+        name = WITH.join(self.together or diagnosis.effects[:1])
         if diagnosis.rests_on:
             rows = "; ".join(_place(self.campaign, row) for row in diagnosis.rests_on)
             one = len(diagnosis.rests_on) == 1

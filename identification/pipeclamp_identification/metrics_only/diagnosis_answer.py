@@ -19,12 +19,12 @@ from pipeclamp_models.law.file import Kind, Verdict
 
 
 class MetricCandidateAnswer(AnswerModel):
-    """An effect, refitted jointly with the law."""
+    """An effect, or two, refitted jointly with the law."""
 
-    effect: str = Field(description="as `add` takes it")
+    effect: str = Field(description="as `add` takes it; two are joined by +")
     heldout_nrmse: float = Field(description="error on left-out conditions, of fits without them")
     nrmse: float
-    explained: float = Field(description="share of what the richest law explains that it explains alone")
+    explained: float = Field(description="share of what is missing that it takes, as above")
     chance: float = Field(description="that scatter alone makes what it gains, once for each effect tried")
     objections: tuple[str, ...] = Field(description="what speaks physically against it")
     parameters: Mapping[str, float]
@@ -59,10 +59,17 @@ class MetricDiagnosisAnswer(AnswerModel):
     verdict: Verdict
     effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
     kind: Kind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
-    explained: float | None = Field(description="share of what the richest law explains that what is named first takes")
+    explained: float | None = Field(
+        description="share of what the richest law explains that what is named first takes; where that law leaves more "
+        "than scatter, of the mean square on left-out conditions"
+    )
+    together: tuple[str, ...] = Field(
+        description="what is named first, and the effect that scales what only it brings; empty where it is named alone"
+    )
     remains: RemainsAnswer | None = Field(description="what is left with what is named first")
     measure: str = Field(description="what the errors measure")
     candidates: tuple[MetricCandidateAnswer, ...]
+    pair: MetricCandidateAnswer | None = Field(description="an effect with another one that scales what only it brings")
     screened_out: tuple[str, ...] = Field(description="effects that were fitted and gain next to nothing")
     not_visible: Mapping[str, str] = Field(description="effects that metrics can't show here, and why")
     nrmse: LawErrors
@@ -91,9 +98,11 @@ def metric_diagnosis_answer(
         effects=found.effects,
         kind=found.kind,
         explained=None if named is None else diagnosis.explained(named),
+        together=found.together,
         remains=None if named is None else RemainsAnswer(force_N=None, noise_share=rms(named.residual), where=()),
         measure=MEASURE,
         candidates=tuple(_candidate(judged, diagnosis) for judged in diagnosis.candidates),
+        pair=_candidate(diagnosis.pair, diagnosis) if diagnosis.pair else None,
         screened_out=diagnosis.screened_out,
         not_visible=diagnosis.hidden,
         nrmse=LawErrors(
@@ -101,7 +110,7 @@ def metric_diagnosis_answer(
             best=error(diagnosis.best, diagnosis),
             noise=float(np.sqrt((dissipated**2 + elastic**2) / 2)),
         ),
-        heldout_nrmse=HeldoutErrors(law=diagnosis.heldout[""], best=diagnosis.heldout["".join(diagnosis.best.effects)]),
+        heldout_nrmse=HeldoutErrors(law=diagnosis.heldout[""], best=diagnosis.heldout[diagnosis.best.name]),
         scatter=MetricScatterAnswer(
             dissipated_energy=float(dissipated),
             max_elastic_energy=float(elastic),
@@ -125,18 +134,17 @@ def error(judged: MetricJudged, diagnosis: MetricDiagnosis) -> float:
 
 
 def _candidate(judged: MetricJudged, diagnosis: MetricDiagnosis) -> MetricCandidateAnswer:
-    name = judged.effects[0]
     return MetricCandidateAnswer(
-        effect=name,
-        heldout_nrmse=diagnosis.heldout[name],
+        effect=judged.name,
+        heldout_nrmse=diagnosis.heldout[judged.name],
         nrmse=error(judged, diagnosis),
         explained=diagnosis.explained(judged),
-        chance=diagnosis.chances[name],
-        objections=judged.objections,
+        chance=diagnosis.chances[judged.name],
+        objections=(*judged.objections, *judged.reservations),
         parameters={
             parameter.name: judged.result.law.values[parameter.name]
             for effect in judged.result.equations.effects
-            if effect.name == name
+            if effect.name in judged.effects
             for parameter in effect.parameters
         },
     )

@@ -7,7 +7,7 @@ freedom, together with an expectation from before the data that weighs as much a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,7 @@ from pipeclamp_identification.metrics_only.observations import METRICS, MetricOb
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_law
 
@@ -64,6 +65,7 @@ class MetricJudged:
         result: the fit.
         residual: logs of measured over computed dW and W over their standard errors, shape (R, 2).
         objections: why it can't be named; empty where nothing speaks against it.
+        reservations: why it isn't the cause, though it may take a part.
     """
 
     effects: tuple[str, ...]
@@ -71,6 +73,17 @@ class MetricJudged:
     result: Fit
     residual: Array
     objections: tuple[str, ...]
+    reservations: tuple[str, ...] = ()
+
+    @property
+    def may_be_cause(self) -> bool:
+        """Whether nothing speaks against naming it as the cause."""
+        return not self.objections and not self.reservations
+
+    @property
+    def name(self) -> str:
+        """What was added, in words; empty of the law as it is."""
+        return " + ".join(self.effects)
 
     @property
     def squares(self) -> float:
@@ -109,13 +122,18 @@ def judge_metrics(
         observations: the metrics, in units of their scatter.
         tolerance: of the fit.
     """
-    result = fit(structure, observations, start=start, tolerance=tolerance)
+    return judged_fit(effects, fit(structure, observations, start=start, tolerance=tolerance), observations)
+
+
+def judged_fit(effects: tuple[str, ...], result: Fit, observations: MetricObservations) -> MetricJudged:
+    """Say what speaks against a law that has been fitted; arguments as for `judge_metrics`."""
     return MetricJudged(
         effects,
-        structure,
+        result.law.structure,
         result,
         observations.residual(result.law_force),
-        (*objections(effects, result), *reservations(effects, result)),
+        objections(effects, result),
+        reservations(effects, result),
     )
 
 
@@ -147,17 +165,58 @@ def directions(columns: Array) -> Array:
 
 
 def heldout_error(structure: Structure, observations: MetricObservations, start: Mapping[str, float]) -> float:
-    """Give the rms log ratio of a structure on conditions that weren't used to fit it.
+    """Give the rms log ratio of a structure on conditions that weren't used to fit it; see `heldout_squares`."""
+    return root_mean(heldout_squares(structure, observations, start))
+
+
+def root_mean(squares: Array) -> float:
+    """Give the rms log ratio of runs of which each has this sum of squared logs, shape (R,)."""
+    return float(np.sqrt(np.sum(squares) / (len(METRICS) * len(squares))))
+
+
+def heldout_squares(structure: Structure, observations: MetricObservations, start: Mapping[str, float]) -> Array:
+    """Give the sum of squared logs of a structure on each run by fits without its conditions, shape (R,).
 
     Each distinct condition is left out by itself, or with few others where there are many. What only the left-out
     condition could tell is unknown to the fit, as it would be before that test was run.
     """
-    squares = 0.0
+    squares = np.zeros(len(observations.dissipated_energy))
     for used, left_out in folds(distinct_conditions(observations), MOST_FOLDS):
         law = fit(structure, observations.rows(used), start=start, tolerance=ROUGHLY).law
         beyond = observations.rows(left_out)
-        squares += float(np.sum(beyond.logs(force_of_law(law, beyond.motion).force) ** 2))
-    return float(np.sqrt(squares / (len(METRICS) * len(observations.dissipated_energy))))
+        squares[left_out] = np.sum(beyond.logs(force_of_law(law, beyond.motion).force) ** 2, axis=1)
+    return squares
+
+
+@dataclass
+class LeftOut:
+    """Errors of laws on left-out conditions, each law's once.
+
+    Attributes:
+        observations: the metrics.
+        tell: is told what is being done.
+    """
+
+    observations: MetricObservations
+    tell: Progress
+    _known: dict[tuple[str, ...], Array] = field(default_factory=dict)
+
+    def of_runs(self, judged: MetricJudged) -> Array:
+        """Give the sum of squared logs on each run, shape (R,); see `heldout_squares`."""
+        if judged.effects not in self._known:
+            self.tell(f"left-out conditions, {judged.name or 'law as it is'}")
+            found = heldout_squares(judged.structure, self.observations, judged.result.law.values)
+            self._known[judged.effects] = found
+        return self._known[judged.effects]
+
+    def of_conditions(self, judged: MetricJudged) -> Array:
+        """Give the same of each distinct condition, shape (C,)."""
+        groups = distinct_conditions(self.observations)
+        return np.bincount(groups, weights=self.of_runs(judged)).astype(np.float64)
+
+    def error(self, judged: MetricJudged) -> float:
+        """Give the rms log ratio."""
+        return root_mean(self.of_runs(judged))
 
 
 def distinct_conditions(observations: MetricObservations) -> npt.NDArray[np.intp]:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.fitting.identify import data_source, file_of_fit, refuse_unknown
-from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.least_squares import TOLERANCE, Fit
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metric_observations
+from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
@@ -52,7 +53,7 @@ def identify_metrics(
         )
     structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items()))).with_declared(declared)
     refuse_unknown(structure)
-    return fit(structure, metric_observations(campaign), progress=progress)
+    return fit_to_metrics(structure, metric_observations(campaign), {}, TOLERANCE, progress)
 
 
 def metric_law_file(

@@ -67,8 +67,8 @@ def next_metric_test(diagnosis: MetricDiagnosis, limits: Limits | None = None) -
     """Give the sine that separates the two closest rivals of an ambiguous diagnosis best; None where there are none."""
     if diagnosis.verdict != "ambiguous":
         return None
-    names = diagnosis.effects[:2]
-    rivals = [next(one for one in diagnosis.candidates if one.effects[0] == name) for name in names]
+    rivals = diagnosis.found.laws[:2]
+    names = [rival.effects[0] for rival in rivals]
     so_far = diagnosis.observations.motion
     within = reach(so_far, limits)
     A, f = drivable(

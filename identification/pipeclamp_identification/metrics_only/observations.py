@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -37,19 +38,26 @@ class MetricObservations:
         """Logs of energies aren't."""
         return False
 
-    def rows(self, chosen: Rows) -> MetricObservations:
+    def rows(self, chosen: Rows) -> Self:
         """Give the observations of some of the loops."""
-        return MetricObservations(
-            self.motion.rows(chosen),
-            self.dissipated_energy[chosen],
-            self.elastic_energy[chosen],
-            self.relative_error[chosen],
-            self.rounding[chosen],
+        return replace(
+            self,
+            motion=self.motion.rows(chosen),
+            dissipated_energy=self.dissipated_energy[chosen],
+            elastic_energy=self.elastic_energy[chosen],
+            relative_error=self.relative_error[chosen],
+            rounding=self.rounding[chosen],
         )
 
-    def with_scatter(self, share: npt.ArrayLike) -> MetricObservations:
+    def with_scatter(self, share: npt.ArrayLike) -> Self:
         """Give the same with another scatter beside the rounding: a share, or one of dW and one of W, shape (2,)."""
         return replace(self, relative_error=np.hypot(np.asarray(share), self.rounding))
+
+    def as_shares(self) -> MetricShares:
+        """Give the same, compared by shares in place of logs."""
+        return MetricShares(
+            self.motion, self.dissipated_energy, self.elastic_energy, self.relative_error, self.rounding
+        )
 
     @property
     def force_amplitude(self) -> Array:
@@ -78,16 +86,53 @@ class MetricObservations:
         return self.relative_error.size
 
 
+@dataclass(frozen=True)
+class MetricShares(MetricObservations):
+    """The same compared by what is missing of them, as shares of 2 pi W and of W: as good as linear in the force.
+
+    An effect that is far too small, or too large, can be sized so by one step, as a log's slope doesn't tell. What a
+    fit comes to is where another one begins, to the logs.
+    """
+
+    @property
+    def are_linear(self) -> bool:
+        """The largest force is in proportion to the force as long as it stays at its place."""
+        return True
+
+    def residual(self, law_force: LawForce) -> Array:
+        """Give what is missing of dW and W, as shares over the relative error; shape (R, 2)."""
+        computed = np.stack(loop_energies(self.motion, law_force.force), axis=1)
+        measured = np.stack([self.dissipated_energy, self.elastic_energy], axis=1)
+        return np.asarray((measured - computed) / self._units)
+
+    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
+        return np.asarray(-energy_slopes(self.motion, law_force, parameters) / self._units)
+
+    @property
+    def _units(self) -> Array:
+        whole = np.stack([2 * np.pi * self.elastic_energy, self.elastic_energy], axis=1)
+        return np.asarray(whole * self.relative_error)
+
+
 def metric_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Array:
-    """Give the derivatives of log dW and log W by some of the parameters, shape (P, R, 2)."""
+    """Give the derivatives of log dW and log W by some of the parameters, shape (P, R, 2).
+
+    Where a law makes energy instead of dissipating it, nan.
+    """
+    energies = np.stack(loop_energies(motion, law_force.force), axis=1)
+    return np.asarray(energy_slopes(motion, law_force, parameters) / np.where(energies > 0, energies, np.nan))
+
+
+def energy_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Array:
+    """Give the derivatives of dW and W in J by some of the parameters, shape (P, R, 2)."""
     force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
-    dissipated, elastic = loop_energies(motion, force)
     rows = np.arange(len(force))
     d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3
     top = jacobian[:, rows, np.argmax(force, axis=1)]
     bottom = jacobian[:, rows, np.argmin(force, axis=1)]
     d_elastic = (top - bottom) / 2 * motion.slow["A"][:, 0] / 2e3
-    return np.stack([d_dissipated / dissipated, d_elastic / elastic], axis=2)
+    return np.stack([d_dissipated, d_elastic], axis=2)
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -13,27 +13,30 @@ from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.evidence import (
+    CLOSELY,
     EXPECTED_FREEDOMS,
     ROUGHLY,
+    LeftOut,
     MetricJudged,
     Scatter,
     chance,
     chance_of_lack,
-    heldout_error,
     judge_metrics,
+    judged_fit,
     scatter_of,
     single_rows,
 )
 from pipeclamp_identification.metrics_only.observations import MetricObservations
+from pipeclamp_identification.metrics_only.pairs import pairs
 from pipeclamp_identification.metrics_only.screen import Look, look
 from pipeclamp_identification.metrics_only.thresholds import (
     FEWEST_FREEDOMS,
-    GREATER_PART_SHARE,
     HOPELESS_CHANCE,
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
-    RIVAL_LIKELIHOOD,
 )
+from pipeclamp_identification.metrics_only.valleys import fit_from_each, fit_to_metrics
+from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, outdoes_in_fit, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Effect
@@ -49,7 +52,6 @@ COARSE_SAMPLES = 64
 """Points of the cycle while effects are sought and valleys compared: what they miss of an extreme, 0.2 % at most, is
 much the same in all rows. What is then judged is fitted again on all points."""
 
-MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or record the loops"
 IMITATED = "at these conditions the law's own parameters do all that it would do to dW and W"
 
 
@@ -58,60 +60,100 @@ class MetricDiagnosis:
     """The answer.
 
     Attributes:
-        verdict: complete, missing, ambiguous or unknown.
-        effects: names, best first.
-        law: the law as it is, refitted.
+        found: the verdict, the laws with what is named, best first, and why.
+        scales: what was weighed: the law as it is, refitted, all candidates and pairs, and the richest law, with all
+            that the metrics support, which the scatter is told from.
         candidates: the best of the effects that were fitted, and all that gain more than scatter often does, best
             first.
-        richest: the law with all that the metrics support, which the scatter is told from.
-        chances: chance that scatter alone makes what a candidate gains, once for each effect tried, its imitators
-            included, by its name.
+        pair: of an effect with what scales only it the best, where one gains more than scatter often does.
         screened_out: effects that were fitted and gain next to nothing.
         hidden: effects that metrics can't show here, with the reason: neither found nor refuted.
         observations: the metrics, in units of their scatter.
-        scatter: what no law explains.
         heldout: rms log ratio on conditions that were left out, of the law ("") and of each candidate by its name.
         rests_on: runs without any one of which the named effect gains little.
         tested_once: conditions that the named effect follows and of which every level but one has a single run.
-        reasons: why the verdict is what it is.
     """
 
-    verdict: Verdict
-    effects: tuple[str, ...]
-    law: MetricJudged
+    found: Weighed
+    scales: MetricScales
     candidates: tuple[MetricJudged, ...]
-    richest: MetricJudged
-    chances: Mapping[str, float]
+    pair: MetricJudged | None
     screened_out: tuple[str, ...]
     hidden: Mapping[str, str]
     observations: MetricObservations
-    scatter: Scatter
     heldout: Mapping[str, float]
     rests_on: tuple[int, ...]
     tested_once: tuple[str, ...]
-    reasons: tuple[str, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict: complete, missing, ambiguous or unknown."""
+        return self.found.verdict
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What is missing, or may be, as `add` takes it; best first."""
+        return distinct(judged.effects[0] for judged in self.found.laws)
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the verdict is what it is."""
+        return self.found.reasons
+
+    @property
+    def law(self) -> MetricJudged:
+        """The law as it is, refitted."""
+        return self.scales.law
+
+    @property
+    def richest(self) -> MetricJudged:
+        """The law with all that the metrics support."""
+        return self.scales.richest
+
+    @property
+    def scatter(self) -> Scatter:
+        """What no law explains."""
+        return self.scales.scatter
+
+    @property
+    def chances(self) -> Mapping[str, float]:
+        """Chance that scatter alone makes what a candidate or pair gains, once for each that was tried, by its name."""
+        return self.scales.chances
 
     @property
     def named(self) -> MetricJudged | None:
         """The law with what is named first; None where nothing is."""
-        return next((judged for judged in self.candidates if judged.effects == self.effects[:1]), None)
+        return next(iter(self.found.laws), None)
 
     @property
     def kind(self) -> Kind | None:
         """Whether what is named first explains nearly all that the metrics show missing, or takes a part of it."""
         if self.named is None:
             return None
-        return "cause" if self.explained(self.named) > NEARLY_ALL_SHARE else "part"
+        nearly_all = self.explained(self.named) > NEARLY_ALL_SHARE
+        return "cause" if nearly_all and not self.of_left_out else "part"
+
+    @property
+    def of_left_out(self) -> bool:
+        """Whether shares are of left-out conditions: much remains, or what is named first hasn't the right form."""
+        return self.scales.much_remains or (self.named is not None and not self.named.may_be_cause)
 
     def explained(self, judged: MetricJudged) -> float:
-        """Give the share of what the richest law explains beyond the law as it is that a candidate explains alone."""
-        whole = self.law.squares - min(self.richest.squares, judged.squares)
-        return float(np.clip((self.law.squares - judged.squares) / whole, 0.0, 1.0)) if whole > 0 else 0.0
+        """Give the share of what is missing that a law explains.
+
+        Of what the richest law explains, or, where that can't be relied on, of the squares on left-out conditions.
+        """
+        return self.scales.on_left_out(judged) if self.of_left_out else self.scales.of_richest(judged)
+
+    @property
+    def shown(self) -> tuple[MetricJudged, ...]:
+        """The candidates, and the pair, best first."""
+        return tuple(sorted((*self.candidates, *([self.pair] if self.pair else [])), key=lambda judged: judged.score))
 
     @property
     def best(self) -> MetricJudged:
-        """The best law with no more than one effect more."""
-        return min((self.law, *self.candidates), key=lambda judged: judged.score)
+        """The best law with one effect more at most, or with two that come together."""
+        return min((self.law, *self.shown), key=lambda judged: judged.score)
 
 
 def diagnose_metrics(
@@ -130,49 +172,78 @@ def diagnose_metrics(
     tell = progress or (lambda _: None)
     observations = metric_observations(campaign, samples=COARSE_SAMPLES)
     smooth = _smooth(campaign, observations)
+    lacks = partial(_lacks, observations=observations, smooth=smooth)
     tell("law as it is")
-    law = judge_metrics((), structure, {}, observations)
+    law = judged_fit((), fit_to_metrics(structure, observations, {}, CLOSELY), observations)
     refinements = [effect.refinement for effect in structure.all_effects() if effect.refinement]
     unseen = {refinement.name for refinement in refinements if not refinement.seen_in_metrics}
     names = [name for name in candidate_names(structure, campaign.condition_columns) if name not in unseen]
     looks = _looks(law, names, observations, tell)
     seen = [entry for entry in looks if not entry.hidden]
-    fitted = [_with(law, entry, observations, tell) for entry in seen]
-    richest = _richest(law, fitted, names, observations, tell)
+    thoroughly = lacks(law)
+    fitted = [_with(law, entry, observations, tell, thoroughly=thoroughly) for entry in seen]
+    alone = min((judged for judged in fitted if judged.may_be_cause), key=_score, default=law)
+    together = pairs(law, fitted, campaign.condition_columns, observations, tell) if lacks(alone) else []
+    law = _from_another_valley(law, [*fitted, *together], observations) if thoroughly else law
+    richest = _richest(law, fitted, together, names, observations, lacks, tell)
     scatter = scatter_of(richest, observations, SCATTER)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
     again = partial(_again, observations=observations)
     law, richest = again(law), again(richest)
-    candidates = sorted((again(judged) for judged in fitted), key=lambda judged: judged.score)
+    candidates, together = (sorted(map(again, judged), key=_score) for judged in (fitted, together))
     apart = {entry.name for entry in seen if not entry.imitated}
-    sound = (judged for judged in candidates if judged.effects[0] in apart and not judged.objections)
+    sound = (judged for judged in candidates if judged.effects[0] in apart and judged.may_be_cause)
     tried = max(len(_unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1)
-    chances = {judged.effects[0]: min(1.0, tried * chance(law, judged, scatter)) for judged in candidates}
+    chances = {
+        judged.name: min(1.0, count * chance(law, judged, scatter))
+        for several, count in ((candidates, tried), (together, tried + len(together)))
+        for judged in several
+    }
     hidden = {entry.name: entry.hidden for entry in looks if entry.hidden}
     hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
-    lack = [chance_of_lack(judged, observations, smooth, SCATTER) for judged in (law, richest)]
-    verdict, named, reasons = _verdict(law, richest, candidates, chances, lack, scatter)
+    lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
+    heldout = LeftOut(observations, tell)
+    scales = MetricScales(law, richest, candidates, together, chances, lack, scatter, heldout.of_conditions)
+    found = weigh(scales)
     rests_on: tuple[int, ...] = ()
     tested_once: tuple[str, ...] = ()
-    if verdict == "missing":
-        tell(f"what {named[0].effects[0]} rests on")
-        rests_on = single_rows(named[0].result, structure, observations)
-        tested_once = _tested_once(named[0], observations)
+    if found.verdict == "missing":
+        named = found.laws[0]
+        tell(f"what {named.name} rests on")
+        rests_on = single_rows(named.result, structure, observations)
+        tested_once = _tested_once(named, observations)
     shown = [
         judged for place, judged in enumerate(candidates)
-        if place == 0 or (chances[judged.effects[0]] < HOPELESS_CHANCE and judged.effects[0] not in hidden)
+        if place == 0 or (chances[judged.name] < HOPELESS_CHANCE and judged.name not in hidden)
     ]  # fmt: skip
-    screened_out = tuple(judged.effects[0] for judged in candidates if judged not in shown)
-    heldout = {}
-    for judged in (law, *shown):
-        tell(f"left-out conditions, {' + '.join(judged.effects) or 'law as it is'}")
-        heldout["".join(judged.effects)] = heldout_error(judged.structure, observations, judged.result.law.values)
-    effects = distinct(judged.effects[0] for judged in named)
+    of_two = [judged for judged in found.laws if judged.effects[1:]] or [
+        judged for judged in together if not judged.objections and chances[judged.name] < HOPELESS_CHANCE
+    ]
+    pair = next(iter(of_two), None)
+    screened_out = tuple(judged.name for judged in candidates if judged not in shown)
+    errors = {judged.name: heldout.error(judged) for judged in (law, *shown, *([pair] if pair else []))}
     return MetricDiagnosis(
-        verdict, effects, law, tuple(shown), richest, chances, screened_out, hidden, observations, scatter,
-        heldout, rests_on, tested_once, reasons,
-    )  # fmt: skip
+        found, scales, tuple(shown), pair, screened_out, hidden, observations, errors, rests_on, tested_once
+    )
+
+
+def _score(judged: MetricJudged) -> float:
+    return judged.score
+
+
+def _lacks(judged: MetricJudged, observations: MetricObservations, smooth: Array) -> bool:
+    """Tell whether a law leaves more than the scatter that was expected."""
+    return chance_of_lack(judged, observations, smooth, SCATTER) < REAL_CHANCE
+
+
+def _from_another_valley(
+    law: MetricJudged, judged: Sequence[MetricJudged], observations: MetricObservations
+) -> MetricJudged:
+    """Give the law as it is, fitted from where candidates ended that do best: they may have left a poor valley."""
+    best = sorted(judged, key=lambda one: one.squares)[:ON_THE_WAY]
+    starts = [law.result.law.values, *(law.structure.own(one.result.law.values) for one in best)]
+    return judged_fit((), fit_from_each(law.structure, observations, starts, CLOSELY), observations)
 
 
 def _unlike(effects: Iterable[Effect]) -> list[str]:
@@ -193,9 +264,10 @@ def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array
 
 def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tuple[str, ...]:
     """Find the conditions that the added effect follows and of which every level but one has a single run."""
-    added = next(effect for effect in judged.result.equations.effects if effect.name == judged.effects[0])
+    added = [effect for effect in judged.result.equations.effects if effect.name in judged.effects]
+    parameters = [parameter for effect in added for parameter in effect.parameters]
     found = []
-    for signal in dict.fromkeys(str(signal) for parameter in added.parameters for signal in parameter.follows):
+    for signal in dict.fromkeys(str(signal) for parameter in parameters for signal in parameter.follows):
         counts = np.sort(np.unique(observations.motion.slow[signal], return_counts=True)[1])
         if len(counts) > 1 and counts[-2] == 1:
             found.append(signal)
@@ -210,11 +282,16 @@ def _looks(law: MetricJudged, names: Sequence[str], observations: MetricObservat
     return looks
 
 
-def _with(law: MetricJudged, entry: Look, observations: MetricObservations, tell: Progress) -> MetricJudged:
-    tell(f"fit {' + '.join((*law.effects, entry.name))}")
-    larger = with_effect(law.structure, entry.name)
+def _with(
+    law: MetricJudged, entry: Look, observations: MetricObservations, tell: Progress, *, thoroughly: bool
+) -> MetricJudged:
+    effects = (*law.effects, entry.name)
+    tell(f"fit {' + '.join(effects)}")
+    larger, start = with_effect(law.structure, entry.name), law.result.law.values
     # Not from the look's start alone: what one step promises doesn't tell which valley is deepest.
-    return judge_metrics((*law.effects, entry.name), larger, law.result.law.values, observations, ROUGHLY)
+    if thoroughly:
+        return judged_fit(effects, fit_to_metrics(larger, observations, start, ROUGHLY), observations)
+    return judge_metrics(effects, larger, start, observations, ROUGHLY)
 
 
 def _again(judged: MetricJudged, observations: MetricObservations) -> MetricJudged:
@@ -225,86 +302,40 @@ def _again(judged: MetricJudged, observations: MetricObservations) -> MetricJudg
 def _richest(
     law: MetricJudged,
     fitted: Sequence[MetricJudged],
+    together: Sequence[MetricJudged],
     names: Sequence[str],
     observations: MetricObservations,
+    lacks: Callable[[MetricJudged], bool],
     tell: Progress,
 ) -> MetricJudged:
-    """Add what the metrics support, one effect after the other, for the scatter to be told from what is left."""
+    """Add what the metrics support, one effect after the other, for the scatter to be told from what is left.
+
+    Where what may be the cause leaves more than scatter, also what may take a part only. Two that come together are
+    added where they take half, or more, of what the best one alone would leave.
+    """
     expected = Scatter(np.full(2, SCATTER), np.full(2, EXPECTED_FREEDOMS))
     richest = law
     while len(richest.effects) < LONGEST:
-        sound = [judged for judged in fitted if not judged.objections and judged.freedoms >= FEWEST_FREEDOMS]
-        best = min(sound, key=lambda judged: judged.score, default=richest)
-        if best is richest or chance(richest, best, expected) > REAL_CHANCE:
+        supported = partial(_supported, richest=richest, expected=expected)
+        usable = list(filter(supported, fitted))
+        sound = [judged for judged in usable if judged.may_be_cause]
+        able = sound or (usable if lacks(richest) else [])
+        best = min(able, key=_score, default=richest)
+        outdoing = [judged for judged in filter(supported, together) if outdoes_in_fit(judged, best)]
+        best = min(outdoing, key=_score, default=best)
+        if best is richest:
             break
-        richest = best
+        richest, together = best, ()
         left = [name for name in names if name not in richest.effects]
         seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
         seen.sort(key=lambda entry: -entry.promise)
         unlike = _unlike([richest.structure.effect(entry.name) for entry in seen])
         chosen = [entry for entry in seen if entry.name in unlike][:ON_THE_WAY]
-        fitted = [_with(richest, entry, observations, tell) for entry in chosen]
+        fitted = [_with(richest, entry, observations, tell, thoroughly=False) for entry in chosen]
     return richest
 
 
-def _verdict(
-    law: MetricJudged,
-    richest: MetricJudged,
-    candidates: Sequence[MetricJudged],
-    chances: Mapping[str, float],
-    lack: Sequence[float],
-    scatter: Scatter,
-) -> tuple[Verdict, list[MetricJudged], tuple[str, ...]]:
-    """Weigh the candidates; give the verdict, who is named, best first, and why.
-
-    Args:
-        law, richest: the law as it is, and with all that the metrics support.
-        candidates: best first.
-        chances: chance of each candidate's gain under scatter alone.
-        lack: chance of what `law` and `richest` leave over under scatter alone.
-        scatter: what no law explains.
-    """
-    told = _scatter_words(scatter)
-    sound = [judged for judged in candidates if not judged.objections and judged.squares < law.squares]
-    likely = [judged for judged in sound if chances[judged.effects[0]] < REAL_CHANCE]
-    if not likely:
-        hint = (
-            f"the likeliest effect, {sound[0].effects[0]}, gains what scatter gains in "
-            f"{chances[sound[0].effects[0]]:.0%} of all cases" if sound else "no effect gains anything"
-        )  # fmt: skip
-        if lack[0] < REAL_CHANCE:
-            more = f"{hint}; {MORE_TESTS}"
-            return "unknown", [], ("what is left is more than scatter, and no effect explains it", more, told)
-        if law.freedoms < FEWEST_FREEDOMS:
-            few = f"{law.residual.size} metrics less {law.parameters} parameters leave too little to judge the law by"
-            return "unknown", [], (few, MORE_TESTS, told)
-        return "complete", [], ("what dW and W show is scatter", hint, told)
-    best = likely[0]
-    name = best.effects[0]
-    if lack[1] < REAL_CHANCE:
-        together = " and ".join(richest.effects)
-        return "unknown", [], (f"{together} together leave more than scatter", MORE_TESTS, told)
-    share = (law.squares - best.squares) / max(law.squares - min(richest.squares, best.squares), 1e-300)
-    if share < GREATER_PART_SHARE:
-        patchwork = f"no effect alone explains the greater part of what is missing; the best, {name}, {share:.0%}"
-        return "unknown", [], (patchwork, MORE_TESTS, told)
-    rivals = [judged for judged in sound if judged is not best and judged.score < best.score + RIVAL_LIKELIHOOD]
-    named = sorted((best, *rivals), key=lambda judged: judged.score)
-    if rivals:
-        words = " from ".join(judged.effects[0] for judged in named)
-        return "ambiguous", named, (f"dW and W at these conditions can't tell {words}", told)
-    gain = f"{name} explains {share:.0%} of what the metrics show missing"
-    return (
-        "missing",
-        [best],
-        (gain, f"scatter alone would gain as much in {100 * chances[name]:.2g} % of all cases", told),
-    )
-
-
-def _scatter_words(scatter: Scatter) -> str:
-    dissipated, elastic = scatter.share
-    few = int(scatter.freedoms.min() - EXPECTED_FREEDOMS)
-    return (
-        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER:.0%} was expected, and what the "
-        f"richest law leaves ({few} more numbers than it has parameters) corrected it"
-    )
+def _supported(judged: MetricJudged, richest: MetricJudged, expected: Scatter) -> bool:
+    """Tell whether metrics support a law beyond the richest one so far."""
+    enough = not judged.objections and judged.freedoms >= FEWEST_FREEDOMS
+    return enough and chance(richest, judged, expected) <= REAL_CHANCE

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.least_squares import TOLERANCE, Fit
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.law import (
     MetricComparison,
@@ -22,6 +22,7 @@ from pipeclamp_identification.metrics_only.law import (
     metric_law_file,
     rms,
 )
+from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_identification.workflow.tests import Refitted, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
@@ -128,7 +129,7 @@ class MetricTests:
         observations = metric_observations(self.campaign)
         before = compare_metrics(file, self.campaign).nrmse
         progress("refit")
-        result = fit(structure, observations, start=start, progress=progress)
+        result = fit_to_metrics(structure, observations, start, TOLERANCE, progress)
         progress("error on left-out conditions")
         heldout = (
             heldout_error(law.structure, observations, law.values),

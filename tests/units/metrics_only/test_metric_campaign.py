@@ -51,6 +51,32 @@ def test_any_two_metrics_give_both_energies(tests_of, table):
     assert run.max_elastic_energy_J == pytest.approx(0.6318, rel=1e-4)
 
 
+def test_storage_and_loss_stiffness_give_both_energies(tests_of):
+    """A sine's force is k' X0 in phase and k'' X0 out of it; its largest is neither's."""
+    table = "run,amplitude_mm,frequency_Hz,storage_stiffness_N_mm,loss_stiffness_N_mm\nA,0.8,3,300,400\nB,0.8,3,300,\n"
+    tests = tests_of(table)
+    run = tests.runs[0]
+    assert run.stiffness == pytest.approx(500)
+    assert run.dissipated_energy_J == pytest.approx(math.pi * 400 * 0.64e-3)
+    assert run.loss_factor == pytest.approx(0.8)
+    assert [one.run for one in tests.left_out] == ["B"]
+
+
+def test_storage_and_loss_stiffness_that_energies_contradict_are_refused(tests_of):
+    table = (
+        "run,amplitude_mm,frequency_Hz,storage_stiffness_N_mm,loss_stiffness_N_mm,loss_factor\nA,0.8,3,300,400,1.33\n"
+    )
+    with pytest.raises(UserError, match=r"'loss_factor': got 1\.33"):
+        tests_of(table)
+
+
+def test_energies_that_no_loop_has_are_left_out_and_told(tests_of):
+    tests = tests_of(HEADER + ROW + "B,0.8,3,20,8.050,1.000\nC,0.8,4,20,9.300,1.000\n")
+    assert [run.name for run in tests.runs] == ["A", "B"]
+    assert "dW is 9.3 times its W" in tests.left_out[0].reason
+    assert "storage_stiffness_N_mm" in tests.left_out[0].reason
+
+
 def test_the_same_measurement_is_counted_once(tests_of):
     tests = tests_of(HEADER + ROW + ROW.replace("A", "B") + "C,0.8,3,20,0.9690,0.6320\n")
     assert [run.name for run in tests.runs] == ["A", "C"]

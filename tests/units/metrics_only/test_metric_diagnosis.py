@@ -110,10 +110,8 @@ def rivals():
     """A diagnosis in which memory counts as a rival of what is hidden."""
     diagnosis = diagnose_metrics(Structure("power"), metrics(("damping_temperature",), c_T1=-0.15, c_T2=0.05, c_T3=0.0))
     memory = judge_metrics(("memory",), Structure("power", ("memory",)), {}, diagnosis.observations)
-    return replace(
-        diagnosis, verdict="ambiguous", effects=("damping_temperature", "memory"),
-        candidates=(*diagnosis.candidates, memory),
-    )  # fmt: skip
+    laws = (*diagnosis.found.laws, memory)
+    return replace(diagnosis, found=replace(diagnosis.found, verdict="ambiguous", laws=laws))
 
 
 @pytest.mark.parametrize("stated", ["A=0.1..0.9,f=1..4,T=20..300", "A=..1.1,v=..12,T=100..310", "f=..6,F=..3000"])

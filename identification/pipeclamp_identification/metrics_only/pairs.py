@@ -1,0 +1,54 @@
+"""Pairs on metrics: an effect together with another one that scales what only it has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from pipeclamp_identification.diagnosis.screen import candidate_names, fits, fits_beside
+from pipeclamp_identification.metrics_only.evidence import ROUGHLY, MetricJudged, judged_fit
+from pipeclamp_identification.metrics_only.observations import MetricObservations
+from pipeclamp_identification.metrics_only.screen import look
+from pipeclamp_identification.metrics_only.valleys import fit_from_each, sized_by_shares
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.law import with_effect
+
+MOST_FIRST = 2
+"""Effects that are tried with each of those that scale them, most promising first: many act alike on metrics."""
+
+
+def pairs(
+    law: MetricJudged,
+    fitted: Sequence[MetricJudged],
+    conditions: Iterable[str],
+    observations: MetricObservations,
+    tell: Progress,
+) -> list[MetricJudged]:
+    """Fit effects together with what scales only them, and none of the law: by itself neither may help.
+
+    Args:
+        law: the law as it is.
+        fitted: the law with one more effect each.
+        conditions: further columns of the tests.
+        observations: what they were fitted to.
+        tell: is told what is being done.
+    """
+    conditions = tuple(conditions)
+    after_one_step: dict[str, list[tuple[float, MetricJudged]]] = {}
+    for first in fitted:
+        for name in candidate_names(first.structure, conditions):
+            if fits(law.structure, name) or not fits_beside(first.structure, name):
+                continue
+            seen = look(first, name, observations)
+            if not seen.hidden:
+                after_one_step.setdefault(name, []).append((first.squares - seen.promise, first))
+    found = []
+    for second, firsts in after_one_step.items():
+        for _, first in sorted(firsts, key=lambda entry: entry[0])[:MOST_FIRST]:
+            effects = (*first.effects, second)
+            tell(f"fit {' and '.join(effects)}")
+            larger = with_effect(first.structure, second)
+            # the law's own values may be what keeps both from their place: without any, too
+            sized = (sized_by_shares(larger, observations, values) for values in (law.result.law.values, {}))
+            both = fit_from_each(larger, observations, (first.result.law.values, *sized), ROUGHLY)
+            found.append(judged_fit(effects, both, observations))
+    return found
