@@ -19,21 +19,18 @@ from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.fitting.starts import SINGULAR
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE
+from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_law
 
-CLOSELY = 1e-7
-"""Tolerance of a candidate's fit."""
 EXPECTED_FREEDOMS = 4.0
 """Degrees of freedom that the expected scatter weighs: keeps two or three rows that agree by chance from weighing far
 too much."""
 MOST_FOLDS = 12
 """Conditions are left out one by one, in so many folds at most."""
-ROUGHLY = 1e-4
-"""Tolerance of a fit that serves to foretell left-out conditions, or to choose between starts."""
 ROWS_TRIED = 12
 """Rows that are left out to see whether an effect rests on them, at most: those that it helps most."""
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from pipeclamp_identification.diagnosis.screen import candidate_names, fits, fits_beside
-from pipeclamp_identification.metrics_only.evidence import ROUGHLY, MetricJudged, judged_fit
+from pipeclamp_identification.metrics_only.evidence import MetricJudged, judged_fit
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.screen import look
-from pipeclamp_identification.metrics_only.valleys import fit_from_each, sized_by_shares
+from pipeclamp_identification.metrics_only.valleys import ROUGHLY, fit_from_each, sized_by_shares
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import with_effect
 

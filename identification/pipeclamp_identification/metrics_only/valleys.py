@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from pipeclamp_identification.fitting.least_squares import Fit, fit
-from pipeclamp_identification.metrics_only.evidence import ROUGHLY
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import Structure
+
+CLOSELY, ROUGHLY = 1e-7, 1e-4
+"""Tolerances: of a candidate's fit; of one that serves to foretell left-out conditions, or to choose between starts."""
 
 ANOTHER_VALLEY_SHARE = 0.01
 """Fits whose costs differ by less than this share have ended in one valley, or in two that are as good."""

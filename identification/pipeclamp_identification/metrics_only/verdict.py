@@ -13,9 +13,7 @@ from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.evidence import (
-    CLOSELY,
     EXPECTED_FREEDOMS,
-    ROUGHLY,
     LeftOut,
     MetricJudged,
     Scatter,
@@ -35,7 +33,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
-from pipeclamp_identification.metrics_only.valleys import fit_from_each, fit_to_metrics
+from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
 from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, outdoes_in_fit, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
