@@ -27,51 +27,51 @@ def folder(pipeclamp: Run, law: Path, tmp_path_factory: pytest.TempPathFactory) 
     """The page's declaration, a campaign of a clamp that has this effect, and a law without it."""
     folder = tmp_path_factory.mktemp("declared")
     text = next(text for text in re.findall(r"```toml\n(.*?)```", PAGE, re.S) if text.startswith("id ="))
-    (folder / "bracket.toml").write_text(text, encoding="utf-8")
-    values = ("--set", "k_b=150,y_b=0.45")
-    pipeclamp("rig", law, "-o", "bracketed", "--effects", "bracket.toml", *values, *PLAN, cwd=folder)
-    pipeclamp("identify", "bracketed", "-o", "law.json", "--reproducible", cwd=folder)
+    (folder / "notch.toml").write_text(text, encoding="utf-8")
+    values = ("--set", "k_b=400,y_b=0.45")
+    pipeclamp("rig", law, "-o", "notched", "--effects", "notch.toml", *values, *PLAN, cwd=folder)
+    pipeclamp("identify", "notched", "-o", "law.json", "--reproducible", cwd=folder)
     return folder
 
 
 def test_diagnose_names_it_where_the_catalogue_has_nothing(pipeclamp: Run, folder: Path):
-    pipeclamp("diagnose", "law.json", "bracketed", "--declared", "bracket.toml", "--json", "found.json", cwd=folder)
+    pipeclamp("diagnose", "law.json", "notched", "--declared", "notch.toml", "--json", "found.json", cwd=folder)
     found = json.loads((folder / "found.json").read_text(encoding="utf-8"))
-    assert (found["verdict"], found["effects"]) == ("missing", ["bracket"])
+    assert (found["verdict"], found["effects"]) == ("missing", ["notch"])
 
 
 @pytest.fixture(scope="module")
-def with_bracket(pipeclamp: Run, folder: Path) -> Path:
+def with_notch(pipeclamp: Run, folder: Path) -> Path:
     """The law with the effect added; from here on the declaration's file is gone."""
-    pipeclamp("add", "law.json", "bracket.toml", "bracketed", "-o", "law2.json", cwd=folder)
+    pipeclamp("add", "law.json", "notch.toml", "notched", "-o", "law2.json", cwd=folder)
     alone = folder / "alone"
     alone.mkdir()
     return (folder / "law2.json").rename(alone / "law2.json")
 
 
-def test_adding_it_brings_the_error_down_to_the_scatter(with_bracket: Path):
-    file = open_law(str(with_bracket))
-    assert file.effects == ("bracket",)
+def test_adding_it_brings_the_error_down_to_the_scatter(with_notch: Path):
+    file = open_law(str(with_notch))
+    assert file.effects == ("notch",)
     before, after = file.history[-2:]
     assert after.refitted_nrmse < 0.6 * before.refitted_nrmse
     assert file.fit.nrmse < 1.1 * file.fit.noise_nrmse
-    assert abs(file.coefficients["k_b"].value - 150) < 5 * file.coefficients["k_b"].standard_error
+    assert abs(file.coefficients["k_b"].value - 400) < 5 * file.coefficients["k_b"].standard_error
     assert abs(file.coefficients["y_b"].value - 0.45) < 5 * file.coefficients["y_b"].standard_error
 
 
-def test_the_law_serves_alone(pipeclamp: Run, folder: Path, with_bracket: Path):
-    pipeclamp("compare", with_bracket, folder / "bracketed", "--json", "error.json", cwd=with_bracket.parent)
-    error = json.loads((with_bracket.parent / "error.json").read_text(encoding="utf-8"))
+def test_the_law_serves_alone(pipeclamp: Run, folder: Path, with_notch: Path):
+    pipeclamp("compare", with_notch, folder / "notched", "--json", "error.json", cwd=with_notch.parent)
+    error = json.loads((with_notch.parent / "error.json").read_text(encoding="utf-8"))
     assert error["nrmse"] < 1.1 * error["noise_nrmse"]
-    pipeclamp("remove", with_bracket, "bracket", folder / "bracketed", "-o", "bare.json", cwd=with_bracket.parent)
-    bare = open_law(str(with_bracket.parent / "bare.json"))
+    pipeclamp("remove", with_notch, "notch", folder / "notched", "-o", "bare.json", cwd=with_notch.parent)
+    bare = open_law(str(with_notch.parent / "bare.json"))
     assert bare.effects == bare.declared == ()
 
 
-def test_its_fmu_steps_in_fmpy_and_rolls_back(pipeclamp: Run, with_bracket: Path):
-    fmu = with_bracket.with_suffix(".fmu")
-    pipeclamp("build-fmu", with_bracket, "-o", fmu)
-    law = law_of(open_law(str(with_bracket)))
+def test_its_fmu_steps_in_fmpy_and_rolls_back(pipeclamp: Run, with_notch: Path):
+    fmu = with_notch.with_suffix(".fmu")
+    pipeclamp("build-fmu", with_notch, "-o", fmu)
+    law = law_of(open_law(str(with_notch)))
     A, f, T = 0.8, 3.0, 400.0
     motion = sinusoids([A], [f], [T], samples=256)
     expected = force_of_law(law, motion).force[0]
@@ -101,16 +101,16 @@ def test_its_fmu_steps_in_fmpy_and_rolls_back(pipeclamp: Run, with_bracket: Path
 
 
 def test_the_catalogue_shows_it(pipeclamp: Run, folder: Path):
-    shown = pipeclamp("effects", "--declared", folder / "bracket.toml").stdout  # type: ignore[attr-defined]
-    assert "bracket" in shown
-    whole = pipeclamp("effects", folder / "bracket.toml").stdout
+    shown = pipeclamp("effects", "--declared", folder / "notch.toml").stdout  # type: ignore[attr-defined]
+    assert "notch" in shown
+    whole = pipeclamp("effects", folder / "notch.toml").stdout
     assert "force added, N" in whole
     assert "declared by a user" in whole
 
 
 def test_mistakes_in_a_declaration_are_one_message(refused: Callable[..., str], folder: Path, clamp_a: Path):
     bad = folder / "bad.toml"
-    bad.write_text((folder / "bracket.toml").read_text(encoding="utf-8").replace("max(", "maxx("), encoding="utf-8")
+    bad.write_text((folder / "notch.toml").read_text(encoding="utf-8").replace("exp(", "expp("), encoding="utf-8")
     for words in (
         ("effects", "--declared", bad),
         ("identify", clamp_a, "-o", folder / "no.json", "--effects", bad),
@@ -119,5 +119,5 @@ def test_mistakes_in_a_declaration_are_one_message(refused: Callable[..., str], 
         ("rig", "emwm2", "-o", folder / "no", "--effects", bad),
     ):
         message = refused(*words)
-        assert "bad.toml" in message and "did you mean 'max'" in message
+        assert "bad.toml" in message and "did you mean 'exp'" in message
     assert not (folder / "no.json").exists()

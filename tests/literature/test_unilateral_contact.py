@@ -11,7 +11,7 @@ from pipeclamp_models.realise.motion import Motion
 SMOOTHING = (0.01, 1e-4)
 ALPHA = 2e-4
 """Of Hunt and Crossley, s/mm: their force is k d^n (1 + 3/2 alpha d')."""
-STOP = {"F_h": 2000.0, "y_h": 0.5, "n_h": 1.5, "chi_h": 1.5 * ALPHA, "m_h": 1.5, "q_h": 0.0, "h_T": 0.0}
+STOP = {"F_h": 2000.0, "y_h": 0.5, "n_h": 1.5, "chi_h": 1.5 * ALPHA, "m_h": 1.5, "h_T": 0.0}
 MASS = 0.002
 """In N s2/mm."""
 
@@ -79,10 +79,3 @@ def test_a_stop_only_pushes():
 def test_it_softens_as_a_power_of_the_temperature():
     soft = STOP | {"h_T": -2.0}
     assert force(soft, 0.9, 10.0, T=586.3) == pytest.approx(force(STOP, 0.9, 10.0) / 4)
-
-
-def test_a_loose_guide_has_unequal_clearances():
-    """Walls at 0.5 and -0.3 mm are 0.8 mm apart."""
-    guide = STOP | {"q_h": 1 / 0.8}
-    assert force(guide, -0.4, -30.0) == pytest.approx(-force(STOP, 0.6, 30.0))
-    assert not force(guide, [-0.29, 0.0, 0.49], 30.0).any()

@@ -44,11 +44,11 @@ def test_a_magnitude_at_its_bound_speaks_against_an_effect():
 
 
 def test_only_the_bound_at_which_it_changes_nothing_is_none():
-    """Of damping v y^2 contacts next to each other were called the cause: their travel was as short as it may be."""
-    assert objections(("unilateral_contact",), fit_with("q_h", ("unilateral_contact",))) == ()
-    shortest = fit_with("q_h", ("unilateral_contact",), bound=2.5)
-    shortest = with_values(shortest, {**shortest.law.values, "q_h": 2.5})
-    assert objections(("unilateral_contact",), shortest) == ("q_h ran into its bound (2.5)",)
+    """A contact next to another was called the cause of damping v y^2, with as short a travel as there could be."""
+    assert objections(("pressed_slip",), fit_with("mu_p", ("pressed_slip",))) == ()
+    assert objections(("pressed_slip",), fit_with("mu_p", ("pressed_slip",), bound=2.5)) == (
+        "mu_p ran into its bound (2.5)",
+    )
 
 
 def test_a_shape_at_the_end_of_its_range_is_no_cause_but_may_take_a_part():
