@@ -103,7 +103,7 @@ def plan_campaign(
         UserError: there is no such law, nothing can be driven within the limits, or nothing fits into the hours.
 
     >>> plan_campaign(hours=0.2, limits="A=0.2..1,f=1..6,T=20..20")
-    <campaign of 17 runs in 0.164 h>
+    <campaign of 11 runs in 0.107 h>
     """
     reach = parse_limits(limits) if limits else None
     asked = campaign.Asked(hours, force_noise, scatter)
