@@ -216,6 +216,11 @@ class LeftOut:
         return root_mean(self.of_runs(judged))
 
 
+def fewest_numbers(observations: MetricObservations) -> int:
+    """Give how many numbers a fit without some of the conditions has at least."""
+    return len(METRICS) * min(len(used) for used, _ in folds(distinct_conditions(observations), MOST_FOLDS))
+
+
 def distinct_conditions(observations: MetricObservations) -> npt.NDArray[np.intp]:
     """Number the distinct conditions, shape (R,)."""
     columns = np.nan_to_num(np.hstack(list(observations.motion.slow.values())))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.fitting.least_squares import starting_points, undetermined
-from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions
+from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions, fewest_numbers
 from pipeclamp_identification.metrics_only.observations import MetricObservations, metric_slopes
 from pipeclamp_identification.metrics_only.thresholds import IMITATED_SHARE, UNSEEN_SHARE
 from pipeclamp_models.base.arrays import Array
@@ -53,9 +53,10 @@ def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look
     if all(parameter in reasons for parameter in added):
         return Look(name, reasons[added[0]], False, 0.0)
     wanted = {*law.result.fitted, *(parameter for parameter in added if parameter not in reasons)}
-    numbers, fitted = 2 * len(observations.motion.y), len(set(equations.names) - set(larger.held()) - set(reasons))
+    numbers, fitted = fewest_numbers(observations), len(set(equations.names) - set(larger.held()) - set(reasons))
     if fitted > numbers:
-        return Look(name, f"with it the law has {fitted} parameters, and there are {numbers} numbers", False, 0.0)
+        few = f"with it the law has {fitted} parameters, and {numbers} numbers are there where conditions are left out"
+        return Look(name, few, False, 0.0)
     free = np.array([place for place, parameter in enumerate(equations.names) if parameter in wanted], dtype=np.intp)
     new = np.array([equations.names[place] not in own for place in free])
     smooth = law.result.law.v_r, law.result.law.y_r
