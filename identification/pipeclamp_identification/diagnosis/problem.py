@@ -431,16 +431,15 @@ def _at_bounds(effects: tuple[str, ...], result: Fit) -> list[Parameter]:
         for parameter in result.law.structure.effect(name).parameters
         if parameter.name in result.at_bound
         and parameter.neutral != result.at_bound[parameter.name]
-        and not _likely_beforehand(parameter, result)
+        and not _likely_beforehand(parameter, result.law.values[parameter.name])
     ]
 
 
-def _likely_beforehand(parameter: Parameter, result: Fit) -> bool:
+def _likely_beforehand(parameter: Parameter, value: float) -> bool:
     """Tell whether physics alone lets a parameter be so: tests that end it at a bound there don't determine it."""
     if parameter.known_within is None or parameter.neutral is None:
         return False
-    off = result.law.values[parameter.name] - parameter.neutral
-    return abs(off) <= KNOWN_DEVIATIONS * result.spreads[parameter.name]
+    return abs(value - parameter.neutral) <= KNOWN_DEVIATIONS * parameter.known_within
 
 
 def _shapes(parameter: Parameter) -> bool:

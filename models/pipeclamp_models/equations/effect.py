@@ -31,8 +31,7 @@ class Parameter:
         follows: the slow signals that must vary in the data for it to be determined.
         levels: how many distinct levels of them it takes.
         typical: a size at which the effect shows in a loop, where `start` has none: to try it out on the virtual rig.
-        known_within: standard deviation by which `neutral` is known beforehand, from physics: of a normal prior; an
-            expression in the data's scales, too.
+        known_within: standard deviation by which `neutral` is known beforehand, from physics: of a normal prior.
     """
 
     symbol: sp.Symbol
@@ -45,7 +44,7 @@ class Parameter:
     follows: tuple[sp.Symbol, ...] = ()
     levels: int = 2
     typical: sp.Expr | float | None = None
-    known_within: sp.Expr | float | None = None
+    known_within: float | None = None
 
     @property
     def name(self) -> str:
