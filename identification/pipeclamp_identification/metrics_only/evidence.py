@@ -18,7 +18,7 @@ from pipeclamp_identification.fitting.heldout import folds
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.fitting.starts import SINGULAR
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
-from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE
+from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
@@ -175,13 +175,15 @@ def heldout_squares(structure: Structure, observations: MetricObservations, star
     """Give the sum of squared logs of a structure on each run by fits without its conditions, shape (R,).
 
     Each distinct condition is left out by itself, or with few others where there are many. What only the left-out
-    condition could tell is unknown to the fit, as it would be before that test was run.
+    condition could tell is unknown to the fit, as it would be before that test was run. No log counts for more than
+    `thresholds.WRONG_AT_MOST_LOG`.
     """
     squares = np.zeros(len(observations.dissipated_energy))
     for used, left_out in folds(distinct_conditions(observations), MOST_FOLDS):
         law = fit(structure, observations.rows(used), start=start, tolerance=ROUGHLY).law
         beyond = observations.rows(left_out)
-        squares[left_out] = np.sum(beyond.logs(force_of_law(law, beyond.motion).force) ** 2, axis=1)
+        logs = np.abs(beyond.logs(force_of_law(law, beyond.motion).force))
+        squares[left_out] = np.sum(np.fmin(logs, WRONG_AT_MOST_LOG) ** 2, axis=1)
     return squares
 
 

@@ -32,3 +32,6 @@ IMITATED_SHARE = 0.02
 NEARLY_ALL_SHARE = 0.9
 """An effect that explains this share of the squares that the richest law explains is named as the cause; with less it
 takes a part."""
+WRONG_AT_MOST_LOG = float(np.log(1e3))
+"""What a law foretells of a left-out condition counts as wrong by this factor at most, so also where it makes energy,
+which has no log: one condition then rules the law out, and no mean of errors lacks a number."""
