@@ -20,6 +20,9 @@ effects: real effects rarely have a catalogue's exact form."""
 FORM_NOISE_SHARE = 0.75
 """But no more than this share of the force noise: with it, a law's error is a quarter above the floor. What leaves over
 more doesn't fit in its form either."""
+CAUSE_NOISE_SHARE = 0.5
+"""An effect that leaves more than this share of the force noise, following the conditions, takes a part: with it, a
+law's error is an eighth above the floor, and a cause's form fits better."""
 UNEXPLAINED_SHARE = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
 HALF_LEFT_SHARE = 0.5

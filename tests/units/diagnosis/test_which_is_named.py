@@ -176,6 +176,26 @@ def test_what_leaves_as_much_of_a_form_as_the_best_is_a_rival(left, names, monke
     assert (found.kind if names[1:] else "cause", found.effects) == ("cause", names)
 
 
+@pytest.mark.parametrize(
+    ("leaves", "other_takes", "kind", "told"),
+    [
+        (0.3, 0.90, "cause", "self_centring explains it and no rival comes near"),
+        (0.3, 0.98, "part", "hardening, which fits the weak harmonics worse, takes more of it in N"),
+        (0.67, 0.90, "part", "0.67 times the noise still follows the conditions"),
+    ],
+)
+def test_no_cause_is_named_whose_form_does_not_fit(leaves, other_takes, kind, told, monkeypatch):
+    """A spring that is steeper in the middle had been called self_centring, as the cause: 0.67 times the noise left."""
+    best, law = candidate("self_centring", 6.0, 80.0), candidate("", 100.0, 1000.0)
+    other = candidate("hardening", 100.0 * (1 - other_takes), 95.0)
+    for each, share in ((best, leaves), (other, 1.5), (law, 2.5)):
+        each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
+    stand_in(monkeypatch, "rivals_of", lambda one, asked, problem: asked if one is other else [])
+    found = weigh(law.result.law.structure, None, law, [best, other], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("self_centring",))
+    assert told in found.reasons[0]
+
+
 def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeypatch):
     """A further condition left nothing over, but was third by what scatter leaves to tell of left-out conditions."""
     first, second, last = (

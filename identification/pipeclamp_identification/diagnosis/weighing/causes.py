@@ -11,7 +11,12 @@ from pipeclamp_identification.diagnosis.candidates import distinct, ranked
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged, without_essence
 from pipeclamp_identification.diagnosis.screen import fits
-from pipeclamp_identification.diagnosis.thresholds import ALONE_SHARE, HALF_TAKEN_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import (
+    ALONE_SHARE,
+    CAUSE_NOISE_SHARE,
+    HALF_TAKEN_SHARE,
+    RIVAL_LIKELIHOOD,
+)
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
@@ -48,16 +53,41 @@ def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
         # simplicity speaks for a special case alone; where it has rivals, so has the general effect
         aside = [each for one in (best, *rivals) for each in _generals(one, scales)]
         names = distinct([*names, *(each.effects[0] for each in rivals_of(best, aside, scales.problem))])
-        return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
+        form = _form_left(best, scales)
+        reasons = (f"this data can't tell {' from '.join(names)}", *([form] if form else []))
+        return Weighed("ambiguous", names, "part" if form else "cause", best, None, reasons)
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
-    if better := [each for each in others if not rivals_of(each, [best], scales.problem)]:
-        weak = f"{better[0].effects[0]}, which leaves more in N, fits the weak harmonics clearly better"
-        reason = f"{best.effects[0]} leaves little over, but {weak}: neither has the exact form"
+    if against := _weak_harmonics(best, others, scales) or _more_in_force(best, others, scales):
+        reason = f"{best.effects[0]} leaves little over, but {against}: neither has the exact form"
         return Weighed("missing", names, "part", best, None, (reason,))
+    if form := _form_left(best, scales):
+        return Weighed("missing", names, "part", best, None, (f"no rival of {best.effects[0]} comes near, but {form}",))
     reason = f"{best.effects[0]} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     return Weighed("missing", names, "cause", best, None, (reason,))
+
+
+def _weak_harmonics(best: Judged, others: Sequence[Judged], scales: Scales) -> str:
+    """Say which effect fits clearly better in units of the noise than the best in N; empty where none does."""
+    better = [each for each in others if not rivals_of(each, [best], scales.problem)]
+    return f"{better[0].effects[0]}, which leaves more in N, fits the weak harmonics clearly better" if better else ""
+
+
+def _more_in_force(best: Judged, others: Sequence[Judged], scales: Scales) -> str:
+    """Say which effect takes more in N than the best, which leaves some over; empty where none does."""
+    if is_adequate(best.lack, scales.tolerance):
+        return ""
+    takes = explained_share(best, scales.law)
+    more = [each for each in takers_of_half(others, scales.law) if explained_share(each, scales.law) > takes]
+    return f"{more[0].effects[0]}, which fits the weak harmonics worse, takes more of it in N" if more else ""
+
+
+def _form_left(best: Judged, scales: Scales) -> str:
+    """Say that a law leaves more than a cause's form may; empty where it doesn't."""
+    if is_adequate(best.lack, scales.tolerance) or best.lack.sure_share < CAUSE_NOISE_SHARE:
+        return ""
+    return f"{best.lack.share:.2g} times the noise still follows the conditions: its form isn't this one's exactly"
 
 
 def _leaves_form_alike(other: Judged, best: Judged, scales: Scales) -> bool:
