@@ -69,7 +69,9 @@ class MetricDiagnosisAnswer(AnswerModel):
     remains: RemainsAnswer | None = Field(description="what is left with what is named first")
     measure: str = Field(description="what the errors measure")
     candidates: tuple[MetricCandidateAnswer, ...]
-    pair: MetricCandidateAnswer | None = Field(description="an effect with another one that scales what only it brings")
+    pairs: tuple[MetricCandidateAnswer, ...] = Field(
+        description="effects each with another one that scales what only it brings, best first"
+    )
     screened_out: tuple[str, ...] = Field(description="effects that were fitted and gain next to nothing")
     not_visible: Mapping[str, str] = Field(description="effects that metrics can't show here, and why")
     nrmse: LawErrors
@@ -102,7 +104,7 @@ def metric_diagnosis_answer(
         remains=None if named is None else RemainsAnswer(force_N=None, noise_share=rms(named.residual), where=()),
         measure=MEASURE,
         candidates=tuple(_candidate(judged, diagnosis) for judged in diagnosis.candidates),
-        pair=_candidate(diagnosis.pair, diagnosis) if diagnosis.pair else None,
+        pairs=tuple(_candidate(judged, diagnosis) for judged in diagnosis.pairs),
         screened_out=diagnosis.screened_out,
         not_visible=diagnosis.hidden,
         nrmse=LawErrors(

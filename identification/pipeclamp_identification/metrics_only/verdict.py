@@ -63,7 +63,8 @@ class MetricDiagnosis:
             that the metrics support, which the scatter is told from.
         candidates: the best of the effects that were fitted, and all that gain more than scatter often does, best
             first.
-        pair: of an effect with what scales only it the best, where one gains more than scatter often does.
+        pairs: of an effect with what scales only it those that are named, or the best that gains more than scatter
+            often does.
         screened_out: effects that were fitted and gain next to nothing.
         hidden: effects that metrics can't show here, with the reason: neither found nor refuted.
         observations: the metrics, in units of their scatter.
@@ -75,7 +76,7 @@ class MetricDiagnosis:
     found: Weighed
     scales: MetricScales
     candidates: tuple[MetricJudged, ...]
-    pair: MetricJudged | None
+    pairs: tuple[MetricJudged, ...]
     screened_out: tuple[str, ...]
     hidden: Mapping[str, str]
     observations: MetricObservations
@@ -145,8 +146,8 @@ class MetricDiagnosis:
 
     @property
     def shown(self) -> tuple[MetricJudged, ...]:
-        """The candidates, and the pair, best first."""
-        return tuple(sorted((*self.candidates, *([self.pair] if self.pair else [])), key=lambda judged: judged.score))
+        """The candidates and the pairs, best first."""
+        return tuple(sorted((*self.candidates, *self.pairs), key=_score))
 
     @property
     def best(self) -> MetricJudged:
@@ -217,12 +218,11 @@ def diagnose_metrics(
     ]  # fmt: skip
     of_two = [judged for judged in found.laws if judged.effects[1:]] or [
         judged for judged in together if not judged.objections and chances[judged.name] < HOPELESS_CHANCE
-    ]
-    pair = next(iter(of_two), None)
+    ][:1]
     screened_out = tuple(judged.name for judged in candidates if judged not in shown)
-    errors = {judged.name: heldout.error(judged) for judged in (law, *shown, *([pair] if pair else []))}
+    errors = {judged.name: heldout.error(judged) for judged in (law, *shown, *of_two)}
     return MetricDiagnosis(
-        found, scales, tuple(shown), pair, screened_out, hidden, observations, errors, rests_on, tested_once
+        found, scales, tuple(shown), tuple(of_two), screened_out, hidden, observations, errors, rests_on, tested_once
     )
 
 

@@ -65,12 +65,13 @@ def test_an_effect_is_named_with_the_one_that_scales_only_it(climbed):
     assert line == "pipeclamp add law.json relaxation,relaxation_temperature tests -o law_2.json"
     answer = metric_diagnosis_answer(found, (), line)
     assert answer.together == TOGETHER
-    assert answer.pair.effect == "relaxation + relaxation_temperature"
-    assert set(answer.pair.parameters) == set(RUBBER)
-    assert answer.pair.heldout_nrmse < 0.1 < answer.heldout_nrmse.law
+    pair = answer.pairs[0]
+    assert pair.effect == "relaxation + relaxation_temperature"
+    assert set(pair.parameters) == set(RUBBER)
+    assert pair.heldout_nrmse < 0.1 < answer.heldout_nrmse.law
     alone = [one.heldout_nrmse for one in answer.candidates]
     assert all(map(math.isfinite, alone)), "also of laws that make energy where conditions are left out"
-    assert min(alone) > 10 * answer.pair.heldout_nrmse, "by itself no effect comes near"
+    assert min(alone) > 10 * pair.heldout_nrmse, "by itself no effect comes near"
 
 
 def test_a_ladder_climbs_by_both(climbed):
