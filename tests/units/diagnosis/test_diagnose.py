@@ -296,7 +296,7 @@ def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign,
 
 def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     """A ladder that took the one for the other gets to the one that is there, and stays."""
-    tests = campaign(("end_stop",), k_e=4000.0, y_e=0.6)
+    tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
     taken = identify(tests, effects=("hardening",)).fit.law
     better, *_ = better_structures(ask_again(taken, loops), silent)
