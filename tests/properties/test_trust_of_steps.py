@@ -109,9 +109,7 @@ def true_error(result: CosimResult, exact: MonolithicResult, parts: int) -> floa
     )
 
 
-@pytest.mark.parametrize(
-    ("law", "where"), [*((law, 1.0) for law in LAWS), ("memory", 0.7), ("stiff", 1.3)]
-)
+@pytest.mark.parametrize(("law", "where"), [*((law, 1.0) for law in LAWS), ("memory", 0.7), ("stiff", 1.3)])
 def test_what_is_not_marked_errs_as_little_as_promised(bench: Path, law: str, where: float) -> None:
     frequency = round(where * resonance(bench, law), 3)
     exact = truth(bench, law, frequency)
