@@ -79,3 +79,10 @@ def test_a_stop_only_pushes():
 def test_it_softens_as_a_power_of_the_temperature():
     soft = STOP | {"h_T": -2.0}
     assert force(soft, 0.9, 10.0, T=586.3) == pytest.approx(force(STOP, 0.9, 10.0) / 4)
+
+
+def test_what_is_pressed_together_at_rest_has_no_force_there():
+    """A rope that is taut at rest: force counts from there, and is what it bore then, once it is slack."""
+    taut = STOP | {"F_h": 150.0, "y_h": -0.8, "n_h": 1.0, "chi_h": 0.0}
+    assert force(taut, 0.0, 0.0) == pytest.approx(0.0, abs=1e-12)
+    assert force(taut, [0.5, -0.5, -0.8, -2.0], 0.0) == pytest.approx([75.0, -75.0, -120.0, -120.0], rel=1e-6)

@@ -19,6 +19,7 @@ from pipeclamp_identification.diagnosis.candidates import (
 )
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
+from pipeclamp_identification.diagnosis.open_means import with_means_counted
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
     Judged,
@@ -181,6 +182,7 @@ def diagnose(
             problem, law = weighed_again(problem, structure, likeliest(judged).result, [law.result])
             judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, tell))
         law = law_from_another_valley(law, judged, problem)
+        judged = [with_means_counted(each, law, problem) for each in judged]
     sound = likeliest([law, *(each for each in judged if not each.objections)])
     residual, missed = (problem.plain_residual(each.result.law_force) for each in (sound, law))
     differing = unstated(problem.loops, problem.noise, residual, missed)

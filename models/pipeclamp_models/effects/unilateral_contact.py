@@ -1,6 +1,8 @@
 """Contact that only pushes: F = F_h ((d/A_0)^n_h + chi_h (d/A_0)^m_h d')+ against what is met, at a depth d.
 
-The sign of F_h is the side s of the stop or rest: its depth is d = (s y - y_h)+. A power of d is written as
+The sign of F_h is the side s of the stop or rest: its depth is d = (s y - y_h)+. What is pressed together at rest, as a
+hung or preloaded part is (y_h < 0), bears a force there that tests don't show, for y and F are counted from rest: it is
+left out. Where the force channel shows it, that is an `offset`. A power of d is written as
 d (d^2 + y_r^2)^((n - 1)/2), which is smooth where the contact opens. With a second one at an own distance on the other
 side it could be any symmetric spring or damper, and stood for them.
 """
@@ -14,17 +16,17 @@ from pipeclamp_models.equations.symbols import A_0, A_highest, F_typical, T, v, 
 F_h, y_h, n_h, chi_h, m_h, h_T = sp.symbols("F_h y_h n_h chi_h m_h h_T", real=True)
 stiff, losing = sp.symbols("contact_F contact_chi", real=True)
 side = sp.sign(F_h)
-depth = sp.Max(side * y - y_h, 0)
+depth, at_rest = sp.Max(side * y - y_h, 0), sp.Max(-y_h, 0)
 
 
-def smoothed(power: sp.Expr) -> sp.Expr:
+def smoothed(depth: sp.Expr, power: sp.Expr) -> sp.Expr:
     """(d/A_0)^power, smooth at d = 0."""
     return ((depth**2 + y_r**2) / A_0**2) ** (power / 2)
 
 
-def power_of_depth(power: sp.Expr) -> sp.Expr:
+def power_of(depth: sp.Expr, power: sp.Expr) -> sp.Expr:
     """(d/A_0)^power, nought where the contact is open."""
-    return depth / A_0 * smoothed(power - 1)
+    return depth / A_0 * smoothed(depth, power - 1)
 
 
 HERTZ = 1.5
@@ -75,6 +77,7 @@ EFFECT = Effect(
         Coefficient(stiff, "N", "stiffness", power_surface(F_h, {T: h_T})),
         Coefficient(losing, "s/mm", "damping", chi_h),
     ),
-    force=stiff * sp.Max(power_of_depth(n_h) + losing * side * v * power_of_depth(m_h), 0),
-    energy=side * stiff * A_0 / (n_h + 1) * (smoothed(n_h + 1) - (y_r / A_0) ** (n_h + 1)),
+    force=stiff * (sp.Max(power_of(depth, n_h) + losing * side * v * power_of(depth, m_h), 0) - power_of(at_rest, n_h)),
+    energy=side * stiff * A_0 / (n_h + 1) * (smoothed(depth, n_h + 1) - smoothed(at_rest, n_h + 1))
+    - stiff * power_of(at_rest, n_h) * y,
 )  # fmt: skip

@@ -1,10 +1,13 @@
 """Which of several candidates is named: no general one without need, nor what only mends a form."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from pipeclamp_identification.diagnosis.open_means import OpenMeans, with_means_counted
+from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.weighing import causes, parts, reasons, scales
 from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
@@ -63,6 +66,16 @@ def test_a_special_case_must_take_half_in_units_of_the_noise_too(squares, named)
     """Of a weak pressed_slip scatter hid in N that displacement_friction took a third of it."""
     found = usable(candidate("pressed_slip", 7.0, 90.0), candidate("displacement_friction", 8.0, squares))
     assert ("pressed_slip" in found) == named
+
+
+@pytest.mark.parametrize(("left", "named"), [(8.0, True), (7.0, False)])
+def test_a_special_case_that_takes_as_much_is_named_though_neither_explains_all(left, named):
+    """An oil damper, its valve open for ever, had been the cause of a rubber mount's relaxation."""
+    general, special = candidate("oil_damper", 7.0, 90.0), candidate("relaxation", left, 100.0)
+    general.lack, special.lack = (SimpleNamespace(p_value=0.0, share=left, sure_share=left) for left in (0.7, 0.8))
+    law = candidate("", 100.0, 1000.0)
+    scales = Scales(law.result.law.structure, None, law, (general, special), TOLERANCE, 1, print)
+    assert ("oil_damper" in [each.effects[0] for each in scales.usable]) == named
 
 
 @pytest.mark.parametrize(("left", "named"), [(0.16, True), (0.05, False)])
@@ -295,3 +308,36 @@ def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(a
     found = weigh(law.result.law.structure, None, law, [general, special], TOLERANCE, 1, print)
     assert (found.kind, found.effects) == ("cause", ("relaxation",))
     assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told
+
+
+def residuals(mean, first):
+    """Residuals of six loops, N: their mean and first harmonic."""
+    return np.column_stack([np.full(6, mean), np.full(6, first), np.zeros(6)])
+
+
+@pytest.mark.parametrize(("first", "objects"), [(1.0, False), (5.5, True)])
+def test_an_effect_that_only_lets_mean_forces_go_is_objected_to(first, objects):
+    """A zero that crept with the cycles had been slip's part: of an element that never slipped, and held any mean."""
+    left = {"as it is": residuals(4.0, 6.0), "with slip": residuals(0.0, first)}
+    law, slip = (
+        Judged((), SimpleNamespace(law_force=name), None, None, None, 0.1, {}, (), (), 0.0) for name in left
+    )  # fmt: skip
+    harmonics = SimpleNamespace(open_means=lambda force: np.full(6, force == "with slip"))
+    problem = SimpleNamespace(harmonics=harmonics, plain_residual=left.get)
+    assert any("leaves open" in words for words in with_means_counted(slip, law, problem).objections) == objects
+    assert not with_means_counted(law, slip, problem).objections
+
+
+@pytest.mark.parametrize(
+    ("proved", "off", "verdict"), [(False, 0.9, "unknown"), (False, 0.5, "complete"), (True, 0.9, "complete")]
+)
+def test_no_law_is_complete_of_which_a_part_leaves_mean_forces_open(proved, off, verdict, monkeypatch):
+    law = candidate("slip_lock", 1.0, 10.0)
+    law.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    stand_in(monkeypatch, "means_left_open", lambda law, problem: OpenMeans(5, 6, 2.0 * off, off))
+    stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
+    stand_in(monkeypatch, "worst_level", lambda law, problem: None)
+    problem = SimpleNamespace(noise=SimpleNamespace(is_no_rigs=False))
+    found = weigh(law.result.law.structure, problem, law, [], replace(TOLERANCE, proved=proved), 1, print)
+    assert found.verdict == verdict
+    assert ("in 5 of 6 loops an element of the law never slips" in found.reasons[0]) == (verdict == "unknown")

@@ -34,14 +34,15 @@ def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: 
     """Tell whether a special case of an effect leaves over no more than twice of what the effect does, in N.
 
     Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too. And
-    where the effect explains what is missing, so must it.
+    where the effect explains what is missing, so must it, or take as much in N.
     """
     if not _is_special_case(_added(special), _added(general)):
         return False
     takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
-    if not takes_half or explained_share(general, special) >= HALF_TAKEN_SHARE:
+    beyond = explained_share(general, special)
+    if not takes_half or beyond >= HALF_TAKEN_SHARE:
         return False
-    return explains(special, law, tolerance) or not explains(general, law, tolerance)
+    return not beyond or explains(special, law, tolerance) or not explains(general, law, tolerance)
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:

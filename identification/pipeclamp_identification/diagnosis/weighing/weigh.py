@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from pipeclamp_identification.diagnosis.candidates import likeliest, pairs
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold
+from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.screen import screened
@@ -102,7 +103,13 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
 
 
 def _complete(reason: str, scales: Scales) -> Weighed:
-    """Call a law complete for a reason, unless it goes wrong between the levels tested by more than passes for form."""
+    """Call a law complete for a reason, unless it goes wrong between the levels tested by more than passes for form.
+
+    Or a part of it leaves mean forces open that are more than that: what nobody foretells isn't explained.
+    """
+    means = means_left_open(scales.law, scales.problem)
+    if not scales.tolerance.proved and means.share > FORM_NOISE_SHARE:
+        return nothing_named("unknown", means.words())
     scales.tell("levels left out")
     worst = worst_level(scales.law, scales.problem)
     if worst is not None and worst.share > FORM_NOISE_SHARE:

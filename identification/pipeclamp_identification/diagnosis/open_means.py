@@ -1,0 +1,56 @@
+"""Mean forces that an element which never slips leaves open: no evidence against a law, nor foretold by it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
+from pipeclamp_identification.fitting.observations import mean_squares_of
+
+
+@dataclass(frozen=True)
+class OpenMeans:
+    """Mean forces that a law leaves open.
+
+    Attributes:
+        runs: loops whose mean it leaves open, of so many in all.
+        of_runs: so many.
+        rms: by which these means are off the law, over all loops, N.
+        share: the same as a share of the force noise per sample.
+    """
+
+    runs: int
+    of_runs: int
+    rms: float
+    share: float
+
+    def words(self) -> str:
+        """Say what no law foretells."""
+        return (
+            f"in {self.runs} of {self.of_runs} loops an element of the law never slips, and leaves their mean force "
+            f"open: {self.rms:.3g} N rms ({self.share:.2g} times the force noise) that nothing foretells"
+        )
+
+
+def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
+    """Tell which mean forces a law leaves open, and how large they are."""
+    force = law.result.law_force
+    left_open = problem.harmonics.open_means(force)
+    off = np.where(left_open, problem.harmonics.harmonics[:, 0] - force.force.mean(axis=1), 0.0)
+    rms, noise = float(np.sqrt(np.mean(off**2))), float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))
+    return OpenMeans(int(np.count_nonzero(left_open)), len(off), rms, rms / noise)
+
+
+def with_means_counted(judged: Judged, law: Judged, problem: Problem) -> Judged:
+    """Object to an effect if most of what it takes are mean forces that it leaves open: it foretells none of them."""
+    left_open = problem.harmonics.open_means(judged.result.law_force)
+    before, after = (problem.plain_residual(each.result.law_force) for each in (law, judged))
+    taken = float(np.sum(mean_squares_of(before) - mean_squares_of(after)))
+    let_go = float(np.sum(before[left_open, 0] ** 2))
+    if not 0.0 < HALF_TAKEN_SHARE * taken < let_go:
+        return judged
+    words = "most of what it takes are mean forces, which an element that never slips leaves open"
+    return replace(judged, objections=(*judged.objections, words))
