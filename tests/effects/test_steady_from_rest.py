@@ -1,4 +1,4 @@
-"""Laws with memory come to a steady motion that grows out of rest: a pipe's response begins there."""
+"""Laws with memory come to a steady motion where a response begins: out of rest, or next to a march from there."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp, samples_of_law
-from pipeclamp_system.steady.start import grown
+from pipeclamp_system.steady.start import begun
 
 WITH_MEMORY = [structure for structure in STRUCTURES if structure.equations_without_rig.composed.states]
 ACCELERATION, FREQUENCY = 20.0, 9.0
 
 
 @pytest.mark.parametrize("structure", WITH_MEMORY, ids=name_of)
-def test_a_steady_motion_grows_out_of_rest(structure: Structure) -> None:
+def test_a_steady_motion_is_balanced_where_a_response_begins(structure: Structure) -> None:
     law = Law(structure, sound_values(structure), *SMOOTHING)
     named = conditions_of(structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
     further = {name: FURTHER[name] for name in named}
@@ -28,7 +28,7 @@ def test_a_steady_motion_grows_out_of_rest(structure: Structure) -> None:
     clamp = SteadyClamp(law, 293.15, None, None, (0.01, 3.0), (1.0, 60.0), further, samples)
     pipe = reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200)))
     system = SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION)
-    unknowns = grown(system, FREQUENCY)
+    unknowns = begun(system, FREQUENCY)
     assert unknowns is not None
     two = np.array([FREQUENCY])
     H = (unknowns.size - 1) // 2

@@ -1,5 +1,7 @@
 """Play: a spring behind a clearance, and friction behind a clearance, have loops that are known in closed form."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -83,6 +85,22 @@ def test_a_small_cycle_on_a_large_one_opens_the_clearance_again():
     force = force_on(("memory", "play"), {"k_s": 1e4 * STIFF, "z_s": SLIP, "g_p": G}, motion)[0]
     assert force[199] == pytest.approx(SLIP, rel=1e-6)
     np.testing.assert_allclose(force[203:297], 0.0, atol=1e-6 * SLIP)
+
+
+def test_friction_holds_a_clamp_while_the_pipe_turns_within_the_clearance():
+    """Coulomb: a spring's force below F_c moves nothing, however slow the pipe is; the clamp is met where it was."""
+    turns, n = (0.0, 1.0, 0.85, 1.1), 400
+    theta = np.linspace(0, np.pi, n, endpoint=False)
+    moves = [(low, high - low) for low, high in pairwise(turns)]
+    y = np.concatenate([low + move * (1 - np.cos(theta)) / 2 for low, move in moves])
+    v = np.concatenate([move * np.sin(theta) / 2 * np.pi for _, move in moves])
+    slow = {"A": np.array([[A]]), "f": np.array([[1.0]]), "T": np.array([[293.15]])}
+    motion = Motion(y[None], v[None], 0 * y[None], slow, np.array([[1 / n]]), periodic=False)
+    force = force_on(("coulomb", "play"), {"k10": 100.0, "F_c": SLIP, "g_p": G}, motion)[0]
+    held = (np.arange(y.size) > n + 40) & ((np.arange(y.size) < 2 * n) | (y < 0.99))
+    np.testing.assert_array_equal(force[held], 0.0)
+    again = (np.arange(y.size) > 2 * n) & (y > 1.01) & (y < 1.09)
+    np.testing.assert_allclose(force[again], (100.0 * (y - G) + SLIP)[again], rtol=5e-3)
 
 
 def test_what_the_rig_adds_is_not_behind_the_clearance():

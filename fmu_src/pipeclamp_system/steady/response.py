@@ -26,7 +26,7 @@ from pipeclamp_system.steady.described import ranges_of, response_table, steady_
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.harmonics import DOUBTFUL
-from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range
+from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range, in_a_row
 
 RUN_IT = "; run sines there in time by `pipeclamp cosim`"
 """Said where steady states are missing."""
@@ -61,7 +61,7 @@ class Curve:
     @property
     def states(self) -> tuple[SteadyState, ...]:
         """The states of all pieces, and those that were found in time."""
-        return tuple(state for piece in (*self.pieces, *self.followed.in_time) for state in piece)
+        return in_a_row(*self.pieces, *self.followed.in_time)
 
 
 AMOUNTS = {

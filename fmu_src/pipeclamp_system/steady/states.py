@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -75,6 +76,11 @@ class Unsteady:
     high: tuple[float, ...]
 
 
+def in_a_row(*pieces: tuple[SteadyState, ...]) -> tuple[SteadyState, ...]:
+    """Give the states of all pieces of a response."""
+    return tuple(chain.from_iterable(pieces))
+
+
 @dataclass(frozen=True, eq=False)
 class FollowedResponse:
     """A frequency response as far as it could be followed.
@@ -95,7 +101,7 @@ class FollowedResponse:
     @property
     def states(self) -> tuple[SteadyState, ...]:
         """The states of all pieces, and those that were found in time."""
-        return tuple(state for piece in (*self.pieces, *self.in_time) for state in piece)
+        return in_a_row(*self.pieces, *self.in_time)
 
     @property
     def complete(self) -> bool:

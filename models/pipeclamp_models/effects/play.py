@@ -4,12 +4,18 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter, Stage, State
 from pipeclamp_models.equations.literature import NORDIN, WORDEN
-from pipeclamp_models.equations.symbols import A_typical, F_moved, F_path, v, y, y_previous
+from pipeclamp_models.equations.symbols import A_typical, F_moved, F_path, v, v_r, y, y_previous
 
 g_p, e, F, L = sp.symbols("g_p e_p F_p L_p", real=True)
 way, pushed, pulled, struck, place = sp.symbols("way_p F_pushed F_pulled F_struck e_next", real=True)
 at_pushing, at_pulling, let_go, lacks = sp.symbols("s_pushed s_pulled x_p L_next", real=True)
+to_pushing, to_pulling, rounded = sp.symbols("v_pushed v_pulled v_rounded", real=True)
 stood = y_previous - e
+free = sp.Abs(e) < g_p
+
+AT_REST, SHARP = 1e-6, 1e-9
+"""Parts of v_r: how slow a free clamp slides at least, and below what sgn v is smooth then. So slow, only what steps at
+rest has a force: dry friction, whole, and no power of v."""
 
 
 def within(value: sp.Expr, most: sp.Expr) -> sp.Expr:
@@ -20,6 +26,15 @@ def within(value: sp.Expr, most: sp.Expr) -> sp.Expr:
 def share_of(move: sp.Expr) -> sp.Expr:
     """Give the share of a step in which the clamp makes a move of its own; below 0 against the step's."""
     return sp.Max(-1, sp.Min(1, move / way))
+
+
+def speed_to(place: sp.Expr, share: sp.Expr) -> sp.Expr:
+    """Give the velocity at which the clamp reaches a place: the pipe's, or against it.
+
+    Of a step in which the pipe turned, a free clamp slides as slow as it may.
+    """
+    as_pipe = sp.Max(v * sp.sign(way), AT_REST * v_r)
+    return sp.Piecewise((sp.sign(place - stood) * as_pipe, free), (v * sp.sign(share), True))
 
 
 def fallen(before: sp.Expr, after: sp.Expr) -> sp.Expr:
@@ -55,15 +70,21 @@ EFFECT = Effect(
         ),
         Stage(at_pushing, "-", "share of the step in which the one end moves the clamp", share_of(y - g_p - stood)),
         Stage(at_pulling, "-", "share of the step in which the other end does", share_of(y + g_p - stood)),
+        Stage(to_pushing, "mm/s", "velocity at which the clamp reaches the one end", speed_to(y - g_p, at_pushing)),
+        Stage(to_pulling, "mm/s", "velocity at which it reaches the other end", speed_to(y + g_p, at_pulling)),
+        Stage(
+            rounded, "mm/s", "velocity below which sgn v is smooth then",
+            sp.Piecewise((SHARP * v_r, free), (v_r, True)),
+        ),
         Stage(
             pushed, "N", "force at the one end, which pushes where it is positive",
-            F_moved(y - g_p, sp.sign(at_pushing)),
+            F_moved(y - g_p, to_pushing, rounded),
         ),
         Stage(
             pulled, "N", "force at the other end, which pulls where it is negative",
-            F_moved(y + g_p, sp.sign(at_pulling)),
+            F_moved(y + g_p, to_pulling, rounded),
         ),
-        Stage(struck, "N", "force with which the clamp begins to move from where it stood", F_moved(stood, 1)),
+        Stage(struck, "N", "force with which the clamp begins to move from where it stood", F_moved(stood, v, v_r)),
         Stage(
             let_go, "mm", "where the clamp stays that is let go: its force falls straight to zero in the step",
             stood

@@ -155,7 +155,7 @@ class Effect:
             elastic path, of `y` and `v` for all else in the clamp (what the rig adds stays outside). In updates of what
             stands behind, the effect's own states then count before the step with `y_previous`, after it with `y`.
         passes: the force that comes through to the clamp's end, in `F_path`; for effects that replace `y`. Stages of
-            theirs may use `F_moved(place, share)`.
+            theirs may use `F_moved(place, velocity, rounded)`, the last in the place of v_r.
         lag: time in s by which the measured force is late; for rig effects.
         argument: the argument that made it of a family, "" otherwise.
         refinement: the next larger member of its family; None where there is none.

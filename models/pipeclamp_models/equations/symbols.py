@@ -57,7 +57,9 @@ SLOW = (
 SERIES = (
     Signal(F_path, "N", "force of all else in the clamp, after the step"),
     Signal(
-        sp.Symbol(F_moved.__name__, real=True), "N", "the same at another place, reached at a share of the velocity"
+        sp.Symbol(F_moved.__name__, real=True),
+        "N",
+        "the same at another place, reached at a velocity; sgn v is smooth below another one",
     ),
 )
 """What an effect in series with the whole clamp may use besides."""

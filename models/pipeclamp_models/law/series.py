@@ -38,10 +38,10 @@ def behind(effect: Effect, path: Path) -> Path:
     stood = effect.replaces[symbols.y].xreplace({symbols.y: symbols.y_previous})
     stages: list[Stage] = []
 
-    def moved_to(place: sp.Expr, share: sp.Expr) -> sp.Symbol:
+    def moved_to(place: sp.Expr, velocity: sp.Expr, rounded: sp.Expr) -> sp.Symbol:
         """Give the path's force after a move to a place, which becomes a stage, with those that it takes itself."""
         end = f"_{len(stages)}_"
-        there = {symbols.y: place, symbols.y_previous: stood, symbols.v: share * symbols.v}
+        there = {symbols.y: place, symbols.y_previous: stood, symbols.v: velocity, symbols.v_r: rounded}
         copies = {stage.symbol: sp.Symbol(f"{stage.symbol}{end}", real=True) for stage in path.stages}
         stages.extend(_moved(path.stages, {**copies, **there}))
         after = path.force.xreplace({state.symbol: state.update for state in path.states}).xreplace(copies | there)
