@@ -346,6 +346,13 @@ def _fault(
             "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
             "stays while the machine rests"
         )
+    elif kind == "zero_drift" and channel == "force" and _grows_with_amplitude(sizes, runs):
+        words = (
+            f"the mean force drifts: {shown} {where}; its loop and its position stay, but it drifts more at large "
+            "amplitudes, which no amplifier knows: something in the specimen builds up while it is worked (a pressure, "
+            "heat, creep), which no law here follows; the drift is taken off, and the mean force of these records "
+            "counts for nothing; to do: let it run until the mean stays, then record"
+        )
     elif kind == "zero_drift":
         stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
         words = (
@@ -367,6 +374,19 @@ def _fault(
         channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,
         runs=tuple(FaultyRun(run=run, size=one, standard_error=off) for run, (one, off) in sizes.items()),
     )  # fmt: skip
+
+
+def _grows_with_amplitude(sizes: Mapping[str, tuple[float, float]], runs: Sequence[Watched]) -> bool:
+    """Tell whether drifts grow with the amplitude of the motion, by a line through their logarithms."""
+    amplitude = {run.name: run.amplitudes[0] for run in runs}
+    y = np.log([abs(size) for size, _ in sizes.values()])
+    x = np.log([amplitude[run] for run in sizes])
+    if len(x) < FEWEST_ALIKE or np.ptp(x) < math.log(VARIED):
+        return False
+    x, y = x - x.mean(), y - y.mean()
+    slope = float(x @ y / (x @ x))
+    error = math.sqrt(float(np.sum((y - slope * x) ** 2)) / (len(x) - 2) / float(x @ x))
+    return slope > 0 and chance_of(slope, error, len(x) - 2) < FALSE_ALARM_CHANCE
 
 
 def _done_words(done: Done) -> str:

@@ -65,6 +65,19 @@ def test_a_campaign_without_faults_has_none():
     assert campaign.faults == campaign.remarks == campaign.left_out == ()
 
 
+@pytest.mark.parametrize(
+    ("drift", "told"),
+    [
+        (lambda force: 25.0, "the zero of the force channel drifts: by +20"),
+        (lambda force: 0.04 * _size(force), "it drifts more at large amplitudes, which no amplifier knows"),
+    ],
+)
+def test_a_drift_that_grows_with_the_amplitude_is_not_put_down_to_the_amplifier(faults_of, drift, told):
+    (fault,) = faults_of(lambda share, y, force: (y, force + drift(force) * share), every=1).faults
+    assert (fault.channel, fault.fault, fault.done) == ("force", "zero_drift", "corrected")
+    assert told in fault.words
+
+
 def test_a_drifting_zero_of_force_is_told_and_taken_off(faults_of):
     campaign = faults_of(lambda share, y, force: (y, force + 0.04 * _size(force) * share))
     (fault,) = campaign.faults
