@@ -107,9 +107,10 @@ def _complete(reason: str, scales: Scales) -> Weighed:
 
     Or a part of it leaves mean forces open that are more than that: what nobody foretells isn't explained.
     """
-    means = means_left_open(scales.law, scales.problem)
-    if not scales.tolerance.proved and means.share > FORM_NOISE_SHARE:
-        return nothing_named("unknown", means.words())
+    if not scales.tolerance.proved:
+        means = means_left_open(scales.law, scales.problem)
+        if means.share > FORM_NOISE_SHARE:
+            return nothing_named("unknown", means.words())
     scales.tell("levels left out")
     worst = worst_level(scales.law, scales.problem)
     if worst is not None and worst.share > FORM_NOISE_SHARE:
