@@ -206,7 +206,10 @@ class Climber:
             before: laws that other ways came by.
         """
         (change,) = self._added(turn.file, [turn.effect], "part")
-        words = f"it takes {turn.share:.0%} of what {turn.taken} would, and goes further: that way ended at {ended:.2%}"
+        words = (
+            f"by itself it takes {turn.share:.0%} of what {turn.taken} does, but with {turn.taken} in its place the "
+            f"ladder ended at {ended:.2%} on left-out conditions"
+        )
         ladder = (*turn.ladder, Rung(change, "part", (words, NO_PROOF)))
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
         return self.climb(file, ladder, gone, before)
