@@ -29,6 +29,7 @@ def test_a_diagnosis_tells_the_specimens_before_physics(pipeclamp, specimens, tm
     assert (column["column"], column["differ"]) == ("specimen", ["stiffness", "damping"])
     assert [group["runs"] for group in column["groups"]] == [12, 12, 12]
     assert answer["verdict"] == "complete"
+    assert answer["nrmse"]["best"] == answer["nrmse"]["law"]  # nothing better was found
     lines = [line.split()[0] for line in told.stdout.splitlines() if line.startswith(("Groups: ", "Complete"))]
     assert lines == ["Groups:", "Complete:"]
     assert "Groups: the runs differ by specimen" in (tmp_path / "page.html").read_text(encoding="utf-8")

@@ -37,9 +37,23 @@ def test_the_published_tables_lack_damping_temperature_then_contact_growth(steps
 
 
 def test_what_metrics_dont_show_is_said(steps):
-    for _, answer in steps:
+    for printed, answer in steps:
+        assert printed.count("not visible in these metrics") == 1  # by reason, not a sentence each
         assert {"asymmetry", "offset", "directional_damping", "loosening"} <= set(answer["not_visible"])
         assert answer["nrmse"]["best"] < answer["nrmse"]["law"]
+
+
+def test_what_does_not_help_is_told_and_the_law_before_is_gone_on_from(pipeclamp, base_law):
+    law, worse = base_law, base_law.parent / "worse.json"
+    told = pipeclamp("add", law, "gap", "emwm2_tables", "-o", worse).stdout
+    before, after = [step["refitted_nrmse"] for step in json.loads(worse.read_text(encoding="utf-8"))["history"]]
+    rises = f"on left-out conditions rises with gap ({before:.2%} -> {after:.2%}); keep the law without it\n"
+    assert f"The law got worse: the error {rises}Next: pipeclamp diagnose {law} emwm2_tables --auto " in told
+    told = pipeclamp("add", law, "stiffness_frequency", "emwm2_tables", "-o", worse).stdout
+    assert (
+        "The error on left-out conditions doesn't fall with stiffness_frequency (" in told
+    )  # it rises by less than is material
+    assert "keep the law without it\nNext: pipeclamp diagnose " in told
 
 
 def test_add_remove_and_compare(pipeclamp, base_law):

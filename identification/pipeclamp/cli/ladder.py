@@ -1,4 +1,4 @@
-"""A ladder climbed at the terminal: how far it has come is shown; if it is stopped, the best law so far is kept."""
+"""A ladder climbed at the terminal: each rung is told as it is taken, and the best law so far is always on disk."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeclamp.cli.terminal import print_next
+from pipeclamp.cli.terminal import errors, print_next
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.so_far import SoFar
 from pipeclamp_models.base.errors import InterruptError
@@ -28,21 +28,24 @@ def climbed(
         file: the law to begin with.
         tests: what it is held against.
         campaign: where they are.
-        output: the law's file, which the caller writes at the end.
+        output: the law's file; it holds the best law so far after each rung, and the caller writes it at the end.
         tell: is told what is being done, and how far the ladder has come.
         how: as for `add_until_settled`.
 
     Raises:
         InterruptError: the user stopped it. The best law so far is in `output`, where there is one.
     """
-    so_far = SoFar(tell)
+    so_far = SoFar(
+        tell,
+        keep=lambda law: write_whole(output, law_text(law)),
+        say=lambda words: errors().print(words, highlight=False, soft_wrap=True),  # in logs too: it may take minutes
+    )
     try:
         return add_until_settled(file, tests, progress=so_far.doing, climbed=so_far.come, **how)
     except KeyboardInterrupt as stop:
         law = so_far.best
         if law is None:
             raise
-        write_whole(output, law_text(law))
         print_next(shell_line("diagnose", str(output), str(campaign), "--auto", str(output)))
         raise InterruptError(
             f"{output} holds the law so far, with {', '.join(law.effects)}: {so_far.words()}"

@@ -380,8 +380,8 @@ def _change(
     reproducible: bool,
 ) -> None:
     """Change a law step by step, refit it, write it, and print what that did."""
-    from pipeclamp.show.law import addition_table
-    from pipeclamp_identification.workflow.next_command import after_change
+    from pipeclamp.show.law import addition_table, vain_words
+    from pipeclamp_identification.workflow.next_command import after_change, after_vain_addition
     from pipeclamp_models.law.file import law_text
 
     spare(campaign, outputs=(output,))
@@ -395,6 +395,11 @@ def _change(
     for step in steps:
         print_table(addition_table(step))
     _print_fit(changed, output)
+    if title == "add" and (words := vain_words(steps)):
+        console().print(words, highlight=False)
+        added = [name for name in changed.effects if name not in file.effects]
+        print_next(after_vain_addition(law, str(output), added, str(campaign)))
+        return
     print_next(after_change(str(output), str(campaign)))
 
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from pipeclamp.show.sentences import about_mean
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_identification.workflow.change import STILL_AS_GOOD, Addition, helps
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
-
-if TYPE_CHECKING:
-    from pipeclamp_identification.workflow.change import Addition
 
 MOVED = 2.0
 """A parameter that changes by more than so many of its standard errors has moved."""
@@ -166,6 +163,18 @@ def addition_table(addition: Addition) -> Table:
     stay = len(names) - len(moved)
     said = f"; {stay} further parameters stay within {MOVED:g} of their standard errors" if stay else ""
     return Table(("", "before", addition.effect), rows, f"What {addition.effect} did{said}")
+
+
+def vain_words(steps: Sequence[Addition]) -> str:
+    """Say that what was added doesn't help, and which law to keep; empty where it does; steps as for `helps`."""
+    without, having = steps[0].heldout[0], steps[-1].heldout[1]
+    if helps(steps):
+        return ""
+    names = " and ".join(step.effect.removeprefix("+ ") for step in steps)
+    said, did = "The error", "doesn't fall"
+    if having > STILL_AS_GOOD * without:
+        said, did = "The law got worse: the error", "rises"
+    return f"{said} on left-out conditions {did} with {names} ({without:.2%} -> {having:.2%}); keep the law without it"
 
 
 def _moved(before: CoefficientEntry | None, after: CoefficientEntry | None) -> bool:

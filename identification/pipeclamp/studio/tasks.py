@@ -63,16 +63,11 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
     from pipeclamp_identification.workflow.auto import add_until_settled
     from pipeclamp_identification.workflow.so_far import SoFar
 
-    tests, file, so_far = _tests(tell, campaign), read_law(Path(of)), SoFar(tell)
-
-    def come(file: LawFile, ladder: tuple[Any, ...]) -> None:
-        so_far.come(file, ladder)
-        if so_far.best is file:
-            write_whole(Path(law), law_text(file))
-
+    tests, file = _tests(tell, campaign), read_law(Path(of))
+    so_far = SoFar(tell, keep=lambda best: write_whole(Path(law), law_text(best)))
     settled = add_until_settled(
         file, tests, command=command, limits=_reach(limits), jobs=spare_cores(), progress=so_far.doing,
-        climbed=come,
+        climbed=so_far.come,
     )  # fmt: skip
     if not settled.ladder:
         _write_diagnosis(settled.found, file, campaign, of, ())

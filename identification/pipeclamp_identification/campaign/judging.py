@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures
-from pipeclamp_identification.campaign.plausibility import contradiction, implausible, unless_contradicted
+from pipeclamp_identification.campaign.plausibility import contradiction, implausible, makes_energy, unless_contradicted
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
@@ -91,6 +91,7 @@ def judge(
             *sensors.told,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
+            *filter(None, [makes_energy({run: one.shown for run, (_, one) in kept.items()})]),
             *_moving_from_the_start(moving),
         ),
     )

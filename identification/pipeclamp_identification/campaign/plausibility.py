@@ -16,6 +16,8 @@ from pipeclamp_models.base.arrays import Array, ComplexArray
 
 SURE = 3.0
 """Standard errors by which something must be negative: a clamp without loss shows either sign."""
+BEYOND_DOUBT = 5.0
+"""Standard errors by which a loop must make energy to be told: of hundreds without loss none does so by chance."""
 WRONG_UNITS = 100.0
 """Factor between a run's dynamic stiffness and that of most others that units make, whose prefixes differ by 1000. A
 device whose force hardly follows the amplitude may span as much, but from run to run; hence also the next one."""
@@ -106,6 +108,34 @@ def reversed_sign(fundamental: Fundamental) -> str | None:
         f"its force has the wrong sign: stiffness {k.real:.4g} N/mm and {fundamental.dissipated_energy:.3g} J "
         "dissipated a cycle, both negative; force is positive with positive displacement: turn its sign in the record, "
         'or in all of them by [columns] force_N = { from = "...", factor = -1 } in campaign.toml'
+    )
+
+
+def makes_energy(shown: Mapping[str, Fundamental]) -> str:
+    """Say in how many runs the loop makes energy, beyond scatter, as no passive device does; empty where none does.
+
+    A run's scatter from few cycles is rough: it counts as that of the run in the middle at least.
+
+    Args:
+        shown: fundamentals by run, of those that can be used.
+    """
+    moving = {run: one for run, one in shown.items() if one.stiffness}
+    if not moving:
+        return ""
+    size = {run: abs(one.stiffness) for run, one in moving.items()}
+    usual = float(np.median([one.standard_error / size[run] for run, one in moving.items()]))
+    # of a force that is a sine, dW over 2 pi times the energy stored at most
+    loss = {run: one.stiffness.imag / size[run] for run, one in moving.items()}
+    making = [run for run in moving if loss[run] < -BEYOND_DOUBT * max(moving[run].standard_error / size[run], usual)]
+    if not making:
+        return ""
+    worst = min(making, key=lambda run: loss[run])
+    makes = "loops make" if len(making) > 1 else "loop makes"
+    of_worst = f"loss factor {loss[worst]:.2g} of its fundamental, {moving[worst].dissipated_energy:.3g} J a cycle"
+    return (
+        f"in {len(making)} of {len(shown)} runs the {makes} energy, most in run {worst!r} ({of_worst}), as no passive "
+        "device does: check the sign of force and displacement, the order of the columns, and a delay between the "
+        "channels"
     )
 
 

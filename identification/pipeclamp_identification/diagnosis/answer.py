@@ -23,7 +23,9 @@ class LawErrors(AnswerModel):
     """Errors as shares of the rms force."""
 
     law: float = Field(description="of the law as it is")
-    best: float = Field(description="of the best law that was found")
+    best: float = Field(
+        description="of the best law that was found; it is fitted in units of noise and scatter, so may err more in N"
+    )
     noise: float = Field(description="cycle-to-cycle scatter, which no law can explain")
 
 
@@ -150,7 +152,9 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         screened_out=diagnosis.screened_out,
         nrmse=LawErrors(
             law=found.comparison.nrmse,
-            best=overall_nrmse(diagnosis.best_misfits),
+            best=overall_nrmse(diagnosis.best_misfits)
+            if diagnosis.best is not diagnosis.law
+            else found.comparison.nrmse,
             noise=found.comparison.noise_nrmse,
         ),
         heldout_nrmse=HeldoutErrors(law=diagnosis.law.heldout_nrmse, best=diagnosis.best.heldout_nrmse),

@@ -176,7 +176,7 @@ class Diagnosed:
         if explained is None:
             return ()
         takes = f"{WITH.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
-        named = f"{takes} (mean square, on left-out conditions)"
+        named = f"{takes} (mean square beyond scatter, on left-out conditions, estimated from fits to all tests)"
         return (named, *(self.left_over() or ("what remains is scatter",))[:1])
 
     def cautions(self) -> tuple[str, ...]:

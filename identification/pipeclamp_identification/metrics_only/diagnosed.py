@@ -169,5 +169,5 @@ def _hidden_words(diagnosis: MetricDiagnosis) -> list[str]:
     reasons: dict[str, list[str]] = {}
     for name, reason in diagnosis.hidden.items():
         reasons.setdefault(reason, []).append(name)
-    return [f"not visible in these metrics, so neither found nor refuted: {', '.join(names)} ({reason})"
-            for reason, names in reasons.items()]  # fmt: skip
+    told = "; ".join(f"{', '.join(names)} ({reason})" for reason, names in reasons.items())
+    return [f"not visible in these metrics, so neither found nor refuted: {told}"] if told else []

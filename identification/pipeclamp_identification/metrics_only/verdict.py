@@ -141,7 +141,10 @@ class MetricDiagnosis:
         """Give the share of what is missing that a law explains.
 
         Of what the richest law explains, or, where that can't be relied on, of the squares on left-out conditions.
+        Nothing where nothing is named and the metrics support no effect: what one gains is scatter.
         """
+        if self.named is None and not self.of_left_out and self.richest.structure == self.law.structure:
+            return 0.0
         return self.scales.on_left_out(judged) if self.of_left_out else self.scales.of_richest(judged)
 
     @property

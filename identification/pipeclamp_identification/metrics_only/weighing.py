@@ -29,6 +29,8 @@ from pipeclamp_models.law.file import Verdict
 
 MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or record the loops"
 
+NEARLY_ALWAYS_CHANCE = 0.995
+"""A chance that is larger would be shown as 100 %."""
 MOST_LEFT_OUT = 4
 """Likeliest effects, and likeliest pairs, that are asked for left-out conditions, at most."""
 
@@ -115,8 +117,8 @@ def _nothing(sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scal
     if likely:
         return Weighed("unknown", (), (_remains(scales), MORE_TESTS, told))
     hint = (
-        f"the likeliest effect, {sound[0].name}, gains what scatter gains in {scales.chances[sound[0].name]:.0%} of "
-        "all cases" if sound else "no effect gains anything"
+        f"no effect gains more than scatter does; of the likeliest, {sound[0].name}, "
+        f"{_by_chance(sound[0], scales)}" if sound else "no effect gains anything"
     )  # fmt: skip
     if scales.lack[0] < REAL_CHANCE:
         more = f"{hint}; {MORE_TESTS}"
@@ -229,7 +231,10 @@ def _brings(judged: MetricJudged) -> tuple[str, ...]:
 
 
 def _by_chance(judged: MetricJudged, scales: MetricScales) -> str:
-    return f"scatter alone would gain as much in {100 * scales.chances[judged.name]:.2g} % of all cases"
+    chance = scales.chances[judged.name]
+    if chance >= NEARLY_ALWAYS_CHANCE:
+        return "scatter alone would gain as much in nearly all cases"
+    return f"scatter alone would gain as much in {100 * chance:.2g} % of all cases"
 
 
 def _scatter_words(scatter: Scatter) -> str:

@@ -89,6 +89,11 @@ def add_effects(
     return steps
 
 
+def helps(steps: Sequence[Addition]) -> bool:
+    """Tell whether the last of these steps ends with a smaller error on left-out conditions than the first begins."""
+    return steps[-1].heldout[1] < steps[0].heldout[0]
+
+
 def remove_effect(
     file: LawFile,
     effect: str,

@@ -16,6 +16,7 @@ from pipeclamp_identification.workflow.change import (
     as_well_without,
     exchange,
     fits_samples,
+    helps,
     stays_as_good,
     without_spares,
 )
@@ -43,6 +44,11 @@ class Rung:
     change: Addition
     kind: Kind | Literal["revision"]
     words: tuple[str, ...]
+
+    def said(self) -> str:
+        """Say what was done, and what the error on left-out conditions did."""
+        before, after = self.change.heldout
+        return f"{self.change.effect} ({self.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
 
 
 @dataclass(frozen=True)
@@ -75,11 +81,7 @@ class Settled:
         """Say what each rung did to the error on left-out conditions, and what to mind of it."""
         words = []
         for rung in self.ladder:
-            before, after = rung.change.heldout
-            words.append(
-                f"{rung.change.effect} ({rung.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
-            )
-            words += [f"  {word}" for word in rung.words]
+            words += [rung.said(), *(f"  {word}" for word in rung.words)]
         return words
 
 
@@ -178,8 +180,8 @@ class Climber:
                     return Way(Settled(file, found, ladder, went), turns, met)
                 ladder, file = (*ladder, simpler), simpler.change.after
                 continue
-            tried = self._until_one_helps(file, found, gone)
-            if tried and _helps(tried[-1]):
+            tried = self._until_onehelps(file, found, gone)
+            if tried and helps(tried[-1]):
                 self.seen(found, file)
                 turns = (*turns, *_turns(file, ladder, gone, found, _name(tried[-1][0])))
                 ladder = (*ladder, *_rungs(found, tried))
@@ -204,12 +206,15 @@ class Climber:
             before: laws that other ways came by.
         """
         (change,) = self._added(turn.file, [turn.effect], "part")
-        words = f"it takes {turn.share:.0%} of what {turn.taken} would, and goes further: that way ended at {ended:.2%}"
+        words = (
+            f"by itself it takes {turn.share:.0%} of what {turn.taken} does, but with {turn.taken} in its place the "
+            f"ladder ended at {ended:.2%} on left-out conditions"
+        )
         ladder = (*turn.ladder, Rung(change, "part", (words, NO_PROOF)))
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
         return self.climb(file, ladder, gone, before)
 
-    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
+    def _until_onehelps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
 
         The fit of the first begins at the values that are known of it; what it needs beside it is added too.
@@ -223,7 +228,7 @@ class Climber:
             tried.append(
                 self._added(file, found.together if whole else (name,), _kind(found), None if tried else found.values)
             )
-            if _helps(tried[-1]):
+            if helps(tried[-1]):
                 break
         return tried
 
@@ -258,7 +263,7 @@ class Climber:
         """Put a law on another base, or another effect of a family in one's place; None where none does better."""
         for structure in self.tests.better_structures(file, self.progress)[:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
-            if _helps([change]) and fits_samples(change):
+            if helps([change]) and fits_samples(change):
                 words = f"{change.effect}: the error on left-out conditions falls beyond doubt"
                 return Rung(change, "revision", (words,))
         return None
@@ -319,10 +324,6 @@ def _in_vain(steps: Sequence[Addition]) -> InVain:
     if steps[0].effect.startswith("- "):
         without, having = having, without
     return InVain(effect=WITH.join(map(_name, steps)), refitted_nrmse=(without, having))
-
-
-def _helps(steps: Sequence[Addition]) -> bool:
-    return steps[-1].heldout[1] < steps[0].heldout[0]
 
 
 def _goes_on(found: Diagnosed, file: LawFile) -> bool:

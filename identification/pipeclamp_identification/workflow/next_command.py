@@ -65,6 +65,19 @@ def after_change(law: str, tests: str) -> str:
     return shell_line("diagnose", law, tests)
 
 
+def after_vain_addition(law: str, changed: str, effects: Sequence[str], tests: str) -> str:
+    """Give the shell line to run after effects were added that don't help: on from the law before, past them.
+
+    Args:
+        law, tests: as for `next_command`.
+        changed: the law with the effects; the same file where the law before is there no more.
+        effects: what was added.
+    """
+    if PurePath(changed) == PurePath(law):
+        return shell_line("remove", changed, effects[-1], tests, "-o", law)
+    return shell_line("diagnose", law, tests, "--auto", _following(law))
+
+
 def after_discovery(
     proposed: bool,
     found: Diagnosed,

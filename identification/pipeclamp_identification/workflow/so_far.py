@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from pipeclamp_models.base.progress import Progress
@@ -14,14 +17,31 @@ if TYPE_CHECKING:
 class SoFar:
     """The laws that a ladder has come to."""
 
-    def __init__(self, tell: Progress) -> None:
-        """Begin at the foot; `tell` is told what is being done."""
-        self._tell = tell
+    def __init__(
+        self, tell: Progress, keep: Callable[[LawFile], None], say: Callable[[str], None] = lambda words: None
+    ) -> None:
+        """Begin at the foot.
+
+        Args:
+            tell: is told what is being done.
+            keep: is given each law that is better than those before it, so that whatever stops the ladder leaves it.
+            say: is told each rung that was taken, in a line.
+        """
+        self._tell, self._keep, self._say = tell, keep, say
         self._laws: list[tuple[LawFile, tuple[Rung, ...]]] = []
+        self._began = time.monotonic()
 
     def come(self, law: LawFile, ladder: tuple[Rung, ...]) -> None:
-        """Note a law that a rung has come to, with what was done on the way."""
+        """Note a law that a rung has come to, with what was done on the way; keep it where it is the best so far."""
+        before = self._laws[-1][1] if self._laws else ()
+        shared = sum(1 for _ in takewhile(lambda pair: pair[0] is pair[1], zip(before, ladder, strict=False)))
         self._laws.append((law, ladder))
+        if self.best is law:
+            self._keep(law)
+        way = "another way, " if shared < len(before) else ""
+        took = f"{time.monotonic() - self._began:.0f} s"
+        for number, rung in enumerate(ladder[shared:], shared + 1):
+            self._say(f"{took}: {way}rung {number}: {rung.said()}")
 
     def doing(self, what: str) -> None:
         """Tell what is being done, and how far the ladder has come."""

@@ -217,7 +217,7 @@ def test_where_the_first_way_ends_without_a_name_another_is_climbed(monkeypatch)
     tests, seen = answering(answers, monkeypatch), []
     settled = auto.add_until_settled(law(), tests, command="test", seen=lambda found, file: seen.append(file.effects))
     assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("slip_spread", "part"), ("memory", "part")]
-    assert settled.ladder[0].words[0].startswith("it takes 90% of what oil_damper would")
+    assert settled.ladder[0].words[0].startswith("by itself it takes 90% of what oil_damper does")
     assert "5.00%" in settled.ladder[0].words[0]
     assert seen == [(), ("oil_damper",), ("slip_spread",), ("slip_spread", "memory"), ("slip_spread", "memory")]
 

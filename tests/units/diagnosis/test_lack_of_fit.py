@@ -52,7 +52,8 @@ def test_repeats_leave_scatter_less_to_hide():
         (0.02, "what follows the conditions is 2.0% of the force noise; the rest is noise, and 0.20% of stiffness"),
         (
             0.99,
-            "as much as 99% of the force noise seems to follow the conditions, no more than scatter makes of it (noise",
+            "what seems to follow the conditions is 0.99 times the force noise; noise and scatter of 0.20% of "
+            "stiffness from run to run make as much by chance",
         ),
     ],
 )

@@ -7,7 +7,7 @@ import pytest
 from typer.main import get_command
 
 from pipeclamp.cli.app import app
-from pipeclamp_identification.workflow.next_command import after_discovery, next_command
+from pipeclamp_identification.workflow.next_command import after_discovery, after_vain_addition, next_command
 
 
 @dataclass
@@ -77,3 +77,14 @@ def test_a_test_that_is_run_is_joined_to_those_so_far():
 def test_spaces_are_quoted():
     line = next_command(Found("missing", ("gap",)), "my law.json", "my tests")
     assert shlex.split(line) == ["pipeclamp", "add", "my law.json", "gap", "my tests", "-o", "my law_2.json"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "line"),
+    [
+        ("worse.json", "pipeclamp diagnose law.json tests --auto law_2.json"),
+        ("law.json", "pipeclamp remove law.json memory tests -o law.json"),
+    ],
+)
+def test_after_an_addition_that_does_not_help_the_ladder_goes_on_from_the_law_before(changed, line):
+    assert after_vain_addition("law.json", changed, ["memory"], "tests") == line

@@ -51,6 +51,11 @@ def quiet():
 def test_scatter_alone_is_complete():
     diagnosis = diagnose_metrics(Structure("power"), metrics())
     assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
+    likeliest = diagnosis.candidates[0]
+    _, hint, _ = diagnosis.reasons
+    assert hint.startswith(f"no effect gains more than scatter does; of the likeliest, {likeliest.name}, scatter alone")
+    assert " 100 % " not in hint
+    assert diagnosis.explained(likeliest) == 0.0  # nothing is missing of which it could explain a share
 
 
 def test_a_missing_effect_is_named_with_its_caution():

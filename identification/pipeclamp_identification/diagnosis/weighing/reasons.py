@@ -24,11 +24,12 @@ def scatter_words(lack: LackOfFit, problem: Problem) -> str:
     scatter = problem.noise.stiffness_scatter, problem.noise.damping_scatter
     named = zip(scatter, ("stiffness", "damping"), strict=True)
     shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
-    between = f", and {' and '.join(shown)} from run to run" if shown else ""
+    from_run_to_run = f"{' and '.join(shown)} from run to run" if shown else ""
     if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
+        between = f", and {from_run_to_run}" if shown else ""
         return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
-    seems = f"as much as {lack.share:.0%} of the force noise seems to follow the conditions"
-    return f"{seems}, no more than scatter makes of it (noise{between})"
+    makes = f"noise and scatter of {from_run_to_run} make" if shown else "noise makes"
+    return f"what seems to follow the conditions is {lack.share:.2f} times the force noise; {makes} as much by chance"
 
 
 def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
@@ -72,16 +73,20 @@ def hidden_words(lack: LackOfFit, problem: Problem) -> str:
     """Say that scatter may hide too much for what is left to pass for form."""
     return (
         f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
-        f"catalogue takes half of it; scatter from run to run may hide up to {lack.most_share:.2g} times, and these "
-        f"{len(problem.loops.run)} runs are too few to tell; repeat some of them three times each"
+        f"catalogue takes half of it; scatter from run to run may hide that it is up to {lack.most_share:.2g} times "
+        f"the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them three "
+        "times each"
     )
 
 
-def pair_words(pair: Judged | None, law: Judged) -> tuple[str, ...]:
-    """Say what two effects would take together, and that they leave too much to be named; nothing of less than half."""
-    if pair is None or (takes := explained_share(pair, law)) < HALF_TAKEN_SHARE:
+def pair_words(pair: Judged | None, best: Judged, law: Judged, problem: Problem) -> tuple[str, ...]:
+    """Say what two effects would take together, and why they aren't named; nothing where the best one takes as much."""
+    if pair is None or (takes := explained_share(pair, law)) < MATERIAL_PART_SHARE:
         return ()
     names = " and ".join(pair.effects)
+    if takes < HALF_TAKEN_SHARE:
+        more = takes > explained_share(best, law)
+        return (f"{names} together would take {takes:.0%} of it, but {_why_not(pair, law, problem)}",) if more else ()
     left = f"{pair.lack.rms:.3g} N ({pair.lack.share:.2g} times the force noise)"
     return (f"{names} together would take {takes:.0%} of it, but leave {left}: too much for them to be named",)
 
@@ -90,8 +95,16 @@ def immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
     """Say what the best effect takes, and why it can't be named."""
     takes = explained_share(best, law)
     if takes < NEXT_TO_NOTHING:
-        named = best.effects[0]
-        return f"of what nothing speaks against {named} takes most, less than 1% of what is missing on left-out A and f"
+        return (
+            "of the effects that nothing speaks against none takes as much as 1% of what is missing on left-out A and f"
+        )
+    takes_most = f"{best.effects[0]} takes most, {takes:.0%} of what is missing on left-out A and f"
+    return f"{takes_most}, but {_why_not(best, law, problem)}"
+
+
+def _why_not(best: Judged, law: Judged, problem: Problem) -> str:
+    """Say why a law isn't named, or what is added in it."""
+    takes = explained_share(best, law)
     worse = [
         f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
         for name, error in best.heldout_by.items()
@@ -102,7 +115,10 @@ def immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
     elif takes < MATERIAL_PART_SHARE:
         why = "that is too little"
     elif best.akaike >= law.akaike:
-        why = "the fit to all tests gains no more than its parameters cost"
+        why = (
+            f"fitted to all tests the law leaves {best.lack.rms:.3g} N that follow the conditions with it, and "
+            f"{law.lack.rms:.3g} N without it: it steadies what is foretold there, and explains nothing that is missing"
+        )
     elif not takes_part(best, law, problem):
         why = "some conditions gain, others lose"
     elif level := rests_on(best, law, problem):
@@ -114,4 +130,4 @@ def immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
     else:
         little = f"where so little is missing ({law.lack.share:.2g} times the force noise)"
         why = f"{little} only what takes half of it is named"
-    return f"{best.effects[0]} takes most, {takes:.0%} of what is missing on left-out A and f, but {why}"
+    return why

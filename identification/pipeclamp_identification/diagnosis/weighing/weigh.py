@@ -99,7 +99,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         return nothing_named("unknown", "no effect of the catalogue lowers the error on left-out conditions")
     most = max(usable, key=lambda each: explained_share(each, law))
     none = nothing_named("unknown", immaterial_words(most, law, problem), pair)
-    return replace(none, reasons=(*none.reasons, *pair_words(pair, law)))
+    return replace(none, reasons=(*none.reasons, *pair_words(pair, most, law, problem)))
 
 
 def _complete(reason: str, scales: Scales) -> Weighed:

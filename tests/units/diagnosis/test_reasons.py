@@ -1,0 +1,62 @@
+"""What is said where no effect is named: that it is so, and in sentences that can be followed."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.diagnosis.weighing.reasons import hidden_words, immaterial_words, pair_words
+
+PROBLEM = SimpleNamespace(loops=SimpleNamespace(run=range(24)), groups=np.arange(2))
+
+
+def judged(*effects, left_N=2.1, squares=(50.0, 50.0), likelihood=100.0, on_temperature=0.05):
+    """Give a law with these mean squares on left-out conditions, and what it leaves when fitted to all tests."""
+    return SimpleNamespace(
+        effects=effects,
+        akaike=likelihood,
+        heldout_by={"temperature": on_temperature},
+        lack=SimpleNamespace(rms=left_N, share=left_N / 0.5, most_share=left_N / 0.5 + 0.1),
+        score=SimpleNamespace(mean_squares=np.array(squares), squares=np.array(squares)),
+    )
+
+
+LAW = judged()
+
+
+def test_what_steadies_a_law_and_explains_nothing_is_told_as_such():
+    """It takes 78 % on left-out conditions, and nothing of what the fit to all tests leaves."""
+    steadying = judged("memory", squares=(11.0, 11.0), likelihood=101.0, on_temperature=0.04)
+    words = immaterial_words(steadying, LAW, PROBLEM)
+    assert words.startswith("memory takes most, 78% of what is missing on left-out A and f, but fitted to all tests")
+    assert "leaves 2.1 N that follow the conditions with it, and 2.1 N without it" in words
+
+
+def test_an_effect_of_no_help_is_not_called_the_one_that_takes_most():
+    words = immaterial_words(judged("play", squares=(50.0, 49.9)), LAW, PROBLEM)
+    assert "play" not in words
+    assert "none takes as much as 1%" in words
+
+
+@pytest.mark.parametrize(
+    ("squares", "best", "said"),
+    [
+        (
+            (40.0, 36.0),
+            (50.0, 50.0),
+            "play and gap together would take 24% of it, but on left-out temperature the error",
+        ),
+        ((10.0, 10.0), (50.0, 50.0), "play and gap together would take 80% of it, but leave 2.1 N"),
+        ((40.0, 36.0), (35.0, 35.0), ""),
+        ((50.0, 50.0), (50.0, 50.0), ""),
+    ],
+)
+def test_why_two_effects_in_the_table_are_not_named_is_said(squares, best, said):
+    pair = judged("play", "gap", squares=squares, on_temperature=0.07)
+    told = "".join(pair_words(pair, judged("memory", squares=best), LAW, PROBLEM))
+    assert told.startswith(said)
+    assert bool(told) == bool(said)
+
+
+def test_what_scatter_may_hide_is_told_in_times_of_the_noise():
+    assert "may hide that it is up to 4.3 times the force noise, and these 24 runs" in hidden_words(LAW.lack, PROBLEM)
