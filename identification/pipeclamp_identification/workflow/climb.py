@@ -180,7 +180,7 @@ class Climber:
                     return Way(Settled(file, found, ladder, went), turns, met)
                 ladder, file = (*ladder, simpler), simpler.change.after
                 continue
-            tried = self._until_onehelps(file, found, gone)
+            tried = self._until_one_helps(file, found, gone)
             if tried and helps(tried[-1]):
                 self.seen(found, file)
                 turns = (*turns, *_turns(file, ladder, gone, found, _name(tried[-1][0])))
@@ -214,7 +214,7 @@ class Climber:
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
         return self.climb(file, ladder, gone, before)
 
-    def _until_onehelps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
+    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
 
         The fit of the first begins at the values that are known of it; what it needs beside it is added too.
