@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
-from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, unproved_of
@@ -176,7 +176,7 @@ class Diagnosed:
         if explained is None:
             return ()
         takes = f"{WITH.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
-        named = f"{takes} (mean square beyond scatter, on left-out conditions, estimated from fits to all tests)"
+        named = f"{takes} ({MEASURE_OF_SHARES})"
         return (named, *(self.left_over() or ("what remains is scatter",))[:1])
 
     def cautions(self) -> tuple[str, ...]:

@@ -59,6 +59,10 @@ def beyond_scatter(excess: Array, groups: Rows, noise_rms: Array) -> Foretold:
     return Foretold(rms, share, sure_share)
 
 
+MEASURE_OF_SHARES = "mean square beyond scatter, estimated for left-out conditions"
+"""Of what `explained_share` is a share, in words."""
+
+
 def explained_share(judged: Judged, law: Judged) -> float:
     """Give the share of the mean-square lack of fit, on left-out conditions, that a law takes."""
     before, after = law.score.mean_squares.sum(), judged.score.mean_squares.sum()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest
-from pipeclamp_identification.diagnosis.foretold import explained_share, takes_part
+from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fits_beside
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, SAME_PART_SHARE
@@ -98,7 +98,7 @@ def outdoes(pair: Judged | None, able: Sequence[Judged], scales: Scales) -> bool
 
 
 def _of_what_is_missing(judged: Judged, law: Judged) -> str:
-    return f"{explained_share(judged, law):.0%} of what is missing (mean square, on left-out conditions)"
+    return f"{explained_share(judged, law):.0%} of what is missing ({MEASURE_OF_SHARES})"
 
 
 def _likeliest_of(alike: Sequence[Judged], law: Judged) -> Judged:
