@@ -315,15 +315,18 @@ def residuals(mean, first):
     return np.column_stack([np.full(6, mean), np.full(6, first), np.zeros(6)])
 
 
-@pytest.mark.parametrize(("first", "objects"), [(1.0, False), (5.5, True)])
-def test_an_effect_that_only_lets_mean_forces_go_is_objected_to(first, objects):
+@pytest.mark.parametrize(("mean", "first", "objects"), [(4.0, 1.0, False), (4.0, 5.5, True), (9.0, 1.0, False)])
+def test_an_effect_that_only_lets_mean_forces_go_is_objected_to(mean, first, objects):
     """A zero that crept with the cycles had been slip's part: of an element that never slipped, and held any mean."""
-    left = {"as it is": residuals(4.0, 6.0), "with slip": residuals(0.0, first)}
+    left = {"as it is": residuals(mean, 6.0), "with slip": residuals(0.0, first)}
     law, slip = (
         Judged((), SimpleNamespace(law_force=name), None, None, None, 0.1, {}, (), (), 0.0) for name in left
     )  # fmt: skip
-    harmonics = SimpleNamespace(open_means=lambda force: np.full(6, force == "with slip"))
-    problem = SimpleNamespace(harmonics=harmonics, plain_residual=left.get)
+    problem = SimpleNamespace(
+        harmonics=SimpleNamespace(open_means=lambda force: np.full(6, force == "with slip")),
+        noise=SimpleNamespace(total_variance=lambda: np.full((6, 3), 0.01)),
+        plain_residual=lambda force: left[force].copy(),
+    )
     assert any("leaves open" in words for words in with_means_counted(slip, law, problem).objections) == objects
     assert not with_means_counted(law, slip, problem).objections
 
