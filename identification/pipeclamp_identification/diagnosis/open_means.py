@@ -39,7 +39,7 @@ def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
     """Tell which mean forces a law leaves open, and how large they are."""
     force = law.result.law_force
     left_open = problem.harmonics.open_means(force)
-    off = np.where(left_open, problem.harmonics.harmonics[:, 0] - force.force.mean(axis=1), 0.0)
+    off = np.where(left_open, problem.harmonics.off_in_mean(force), 0.0)
     rms, noise = float(np.sqrt(np.mean(off**2))), float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))
     return OpenMeans(int(np.count_nonzero(left_open)), len(off), rms, rms / noise)
 

@@ -331,7 +331,7 @@ def _price_of_free_means(result: Fit, problem: Problem) -> Array:
     open_means = problem.harmonics.open_means(result.law_force)
     price = np.zeros(len(open_means))
     if open_means.any():
-        off = problem.harmonics.harmonics[:, 0] - result.law_force.force.mean(axis=1)
+        off = problem.harmonics.off_in_mean(result.law_force)
         noise = problem.noise.variance[:, 0] + problem.discrepancy
         size = float(np.mean(off[open_means] ** 2))
         price[open_means] = (np.log1p(size / noise) + off**2 / (size + noise))[open_means]

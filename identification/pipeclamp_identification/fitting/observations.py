@@ -160,6 +160,10 @@ class LoopObservations:
             return law_force.adrift
         return np.asarray(law_force.adrift & (self.plain_residual(law_force)[:, 0] == 0.0))
 
+    def off_in_mean(self, law_force: LawForce) -> Array:
+        """Give the measured mean force less the law's own, N, shape (R,)."""
+        return np.asarray(self.harmonics[:, 0] - law_force.force.mean(axis=1))
+
     def plain_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
         """Give the derivatives of the plain residuals; the transform is linear."""
         slopes = -known_jacobian(law_force).through(self.transformed, parameters)
