@@ -76,8 +76,7 @@ def test_an_expression_has_derivatives_that_numpy_can_work_out(text):
         return
     _, slopes = _nonzero_slopes([expression], list(NAMES.values()))
     defined: dict[str, Any] = {}
-    written = _source(list(NAMES.values()), slopes)
-    exec(f"def slopes({', '.join(written['arguments'])}):\n{written['body']}", dict(NUMPY), defined)
+    exec(_source(list(NAMES.values()), slopes), dict(NUMPY), defined)
     (compiled,) = defined.values()
     with np.errstate(all="ignore"):
         values = compiled(*(POINTS[name] for name in NAMES))

@@ -21,6 +21,10 @@ from pipeclamp_models.realise.stepping import Definition, exact
 
 FAST = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 SMOOTHING = (symbols.v_r, symbols.y_r)
+SLOPES_ALONE = ("coefficient_slopes", "lag_slopes")
+"""Functions that give derivatives."""
+WITH_SLOPES = ("force_with_slopes", *SLOPES_ALONE)
+"""Functions that give derivatives, some after the values themselves."""
 Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
 
@@ -67,44 +71,59 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
         function: one of the functions of `ArrayRealisation`.
 
     Returns:
-        `source`, which defines one function; of derivatives `index` too: places of what is differentiated and of what
-        it is differentiated by, of each that doesn't vanish. Of "walks", "turns" and "update_slopes" one entry for each
-        set of states that are stepped by themselves: `source` in LLVM's language; `columns`, what it takes of the
-        update's arguments, for walks and turns those without the states, whose places are `states`; of slopes `index`,
-        of turns too: end and beginning of each within the set.
+        `parts`, each of what is written by itself. Of "walks", "turns" and "update_slopes" these are sets of states
+        that need each other: `source` in LLVM's language; `columns`, what it takes of the update's arguments, for walks
+        and turns those without the states, whose places are `states`; of slopes `index`, places of what is
+        differentiated and of what it is differentiated by, of each that doesn't vanish; of turns too: end and beginning
+        of each within the set. Of the other functions they are the summands of the force, the coefficients, or sets of
+        states: `source`, which defines one function of arrays; `columns`, what it takes of the arguments; `places`, to
+        which of all results each of its own is added. These functions have an `index` of all their derivatives.
     """
     asked = _asked(equations, function)
-    if function == "walks":
-        return {
-            "walks": [
+    match function:
+        case "walks":
+            parts = [
                 _marched(part, asked, "walk", lambda *of: {"source": walk_source(*of)})
                 for part in _stepped_apart(asked)
             ]
-        }
-    if function == "turns":
-        return {"turns": [_marched(part, asked, "turn", _turn) for part in _stepped_apart(asked)]}
-    if function == "update_slopes":
-        return {"parts": [_step_slopes(part, asked) for part in _stepped_apart(asked)]}
-    return _named(asked, function)
+        case "turns":
+            parts = [_marched(part, asked, "turn", _turn) for part in _stepped_apart(asked)]
+        case "update_slopes":
+            parts = [_step_slopes(part, asked) for part in _stepped_apart(asked)]
+        case _:
+            return _in_parts(asked, function)
+    return {"parts": parts}
 
 
-def _named(asked: Asked, function: str) -> dict[str, Any]:
-    """Write a function; an argument that doesn't stand in it has a name that says so."""
-    lean, written = _lean(asked, function)
-    names = dict(zip(lean.arguments, written["arguments"], strict=True))
-    every = [names.get(symbol, f"_unused_{place}") for place, symbol in enumerate(asked.arguments)]
-    source: dict[str, Any] = {"source": f"def {function}({', '.join(every)}):\n{written['body']}"}
-    if "index" in written:
-        taken = asked.symbols()
-        places = [place for place, symbol in enumerate(asked.by) if symbol in taken]
-        source["index"] = [(row, places[column]) for row, column in written["index"]]
-    return source
+def _in_parts(asked: Asked, function: str) -> dict[str, Any]:
+    """Write a function of arrays, each part of it by itself: see `array_source`."""
+    parts = [(rows, _part(part, asked, function)) for rows, part in _apart(asked)]
+    values = 0 if function in SLOPES_ALONE else len(asked.expressions)
+    index = sorted({(rows[row], column) for rows, part in parts for row, column in part["index"]})
+    places = {pair: values + place for place, pair in enumerate(index)}
+    return {
+        "results": values + len(index),
+        "index": index,
+        "parts": [
+            {
+                "source": part["source"],
+                "columns": part["columns"],
+                "places": [*(rows if values else ()), *(places[rows[row], column] for row, column in part["index"])],
+            }
+            for rows, part in parts
+        ],
+    }
 
 
-def _lean(asked: Asked, function: str) -> tuple[Asked, dict[str, Any]]:
-    """Give what is asked for without the symbols that don't stand in it, and what is written of it."""
-    lean = asked.lean()
-    return lean, kept(f"{function} {lean.content()}", lambda: _written(lean, function))
+def _part(part: Asked, asked: Asked, function: str) -> dict[str, Any]:
+    """Write a part: `source`, its columns of all arguments, and the `index` of its derivatives."""
+    lean = part.lean()
+    written = kept(f"{function} {lean.content()}", lambda: _written(lean, function))
+    return {
+        "source": written["source"],
+        "columns": [asked.arguments.index(symbol) for symbol in lean.arguments],
+        "index": [(row, asked.by.index(lean.by[column])) for row, column in written["index"]],
+    }
 
 
 @dataclass(frozen=True)
@@ -171,15 +190,21 @@ def _asked(equations: Composed, function: str) -> Asked:
 
 
 def _written(asked: Asked, function: str) -> dict[str, Any]:
-    """Write a function: `arguments`, its names of them, `body`, the lines after the first, and `index`."""
-    match function:
-        case "coefficient_slopes" | "lag_slopes":
-            index, slopes = _nonzero_slopes(asked.expressions, asked.by)
-            return {**_source(asked.arguments, slopes), "index": index}
-        case "force_with_slopes":
-            index, slopes = _nonzero_slopes(asked.expressions, asked.by)
-            return {**_source(asked.arguments, [*asked.expressions, *slopes]), "index": index}
-    return _source(asked.arguments, asked.expressions, asked.stages)
+    """Write a function of arrays: `source`, and the `index` of what it gives derivatives of."""
+    index, slopes = _nonzero_slopes(asked.expressions, asked.by) if function in WITH_SLOPES else ((), [])
+    values = () if function in SLOPES_ALONE else asked.expressions
+    return {"source": _source(asked.arguments, [*values, *slopes], asked.stages), "index": index}
+
+
+def _apart(asked: Asked) -> list[tuple[list[int], Asked]]:
+    """Give the summands of what is asked for, or its sets of states, each with its places among the results."""
+    if asked.states:
+        return [([asked.states.index(symbol) for symbol in part.states], part) for part in _stepped_apart(asked)]
+    return [
+        ([row], replace(asked, expressions=[summand]))
+        for row, expression in enumerate(asked.expressions)
+        for summand in sp.Add.make_args(expression)
+    ]
 
 
 def _stepped_apart(asked: Asked) -> list[Asked]:
@@ -232,9 +257,7 @@ def _step_slopes(part: Asked, asked: Asked) -> dict[str, Any]:
     }
 
 
-def _source(
-    arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr], before: Sequence[Definition] = ()
-) -> dict[str, Any]:
+def _source(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr], before: Sequence[Definition] = ()) -> str:
     """Write a function of arrays that gives a list, with what is computed before the results, in order."""
     printer = ArrayPrinter({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True})
     with_references = [exact(expression) for expression in expressions]
@@ -253,8 +276,7 @@ def _source(
         printer=printer,
         cse=common_parts,
     )
-    body = inspect.getsource(function).partition("\n")[2]
-    return {"arguments": [str(symbol) for symbol in named.values()], "body": body}
+    return inspect.getsource(function)
 
 
 def _nonzero_slopes(expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol]) -> tuple[tuple[Pair, ...], list[sp.Expr]]:

@@ -32,6 +32,22 @@ class Slopes(NamedTuple):
         return Slopes(*({pair: values[position] for pair, position in block.items()} for block in self))
 
 
+class InParts:
+    """A function of arrays in parts, each of which takes some of its arguments and adds to some of its results."""
+
+    def __init__(self, parts: Sequence[Mapping[str, Any]], results: int) -> None:
+        self._parts = [(_defined(part["source"]), part["columns"], part["places"]) for part in parts]
+        self._results = range(results)
+
+    def __call__(self, *arguments: Any) -> list[Any]:
+        """Give the results; what no part adds to is zero."""
+        found: dict[int, Any] = {}
+        for function, columns, places in self._parts:
+            for place, value in zip(places, function(*(arguments[column] for column in columns)), strict=True):
+                found[place] = found[place] + value if place in found else value
+        return [found.get(place, 0.0) for place in self._results]
+
+
 class ArrayRealisation:
     """Functions of one set of equations, each compiled when it is first asked for.
 
@@ -98,13 +114,13 @@ class ArrayRealisation:
     @cached_property
     def walks(self) -> Sequence[Walk]:
         """How the states are stepped along motions, those together that need each other."""
-        return [Walk(one["states"], one["columns"], one["source"]) for one in self.written("walks")["walks"]]
+        return [Walk(one["states"], one["columns"], one["source"]) for one in self.written("walks")["parts"]]
 
     @cached_property
     def turns(self) -> Sequence[Turn]:
         """What whole motions make of the states, those together that need each other."""
         return [
-            Turn(one["states"], one["columns"], one["index"], one["source"]) for one in self.written("turns")["turns"]
+            Turn(one["states"], one["columns"], one["index"], one["source"]) for one in self.written("turns")["parts"]
         ]
 
     @cached_property
@@ -145,7 +161,8 @@ class ArrayRealisation:
         return self._written[function]
 
     def _compiled(self, function: str) -> Compiled:
-        return _defined(self.written(function)["source"])
+        written = self.written(function)
+        return InParts(written["parts"], written["results"])
 
     def _index(self, function: str) -> tuple[Pair, ...]:
         return tuple((row, column) for row, column in self.written(function)["index"])
@@ -167,8 +184,9 @@ class ArrayRealisation:
         return Slopes(by_state, by_coefficient, by_parameter)
 
 
+@lru_cache(maxsize=1024)
 def _defined(source: str) -> Compiled:
-    """Give the function of arrays that a source defines."""
+    """Give the function of arrays that a source defines; laws have most of their parts in common."""
     defined: dict[str, Compiled] = {}
     exec(source, dict(NUMPY), defined)
     (compiled,) = defined.values()

@@ -15,6 +15,7 @@ from pipeclamp_models.law.catalogue import listed
 from pipeclamp_models.law.compose import brought_into_view
 from pipeclamp_models.law.law import Structure, bare_for, with_effect
 from pipeclamp_models.law.outline import REACH, as_json, from_json, number_in, outline_of
+from pipeclamp_models.realise import array_source as array_source_module
 from pipeclamp_models.realise.array_source import array_source
 from pipeclamp_models.realise.arrays import realise
 from pipeclamp_models.realise.sizes import number_of
@@ -58,6 +59,22 @@ def test_what_is_kept_is_what_would_be_made(structure, folder, monkeypatch):
     fresh = {function: array_source(equations.composed, function) for function in reversed(FUNCTIONS)}
     assert first == json.loads(json.dumps(fresh))
     assert second == first
+
+
+def test_what_laws_have_in_common_is_written_once(folder, monkeypatch):
+    written: list[str] = []
+    write = array_source_module._written
+    monkeypatch.setattr(
+        array_source_module, "_written", lambda part, function: written.append(function) or write(part, function)
+    )
+    for structure in (Structure(), Structure("power", ("damping_temperature",)), Structure("power", ("viscous",))):
+        for function in ("coefficients", "force_with_slopes"):
+            array_source(structure.equations.composed, function)
+        written.append("|")
+    bare, warm, viscous, _ = " ".join(written).split("|")
+    assert bare.split().count("force_with_slopes") == 3
+    assert warm.split() == ["coefficients"]
+    assert viscous.split() == ["force_with_slopes"]
 
 
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
