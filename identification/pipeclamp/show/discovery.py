@@ -5,7 +5,8 @@ from __future__ import annotations
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.grammar import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
-from pipeclamp_identification.discovery.proposal import Proposal, formula_of
+from pipeclamp_identification.discovery.proposal import NumberAnswer, Proposal, formula_of
+from pipeclamp_identification.signals.digits import one_digit
 
 RIVALS_SHOWN = 5
 READ_AS = {SIGN_Y: "sign(y)", SIGN_V: "sign(v)", SIZE_Y: "|y|", SIZE_V: "|v|"}
@@ -20,9 +21,14 @@ def formula_read(formula: str) -> str:
 
 
 def numbers_words(proposal: Proposal) -> str:
-    """Give the best term's fitted numbers, each with what it is and its unit."""
-    told = (f"{one.meaning} {one.value:.3g} {one.unit}".removesuffix(" -") for one in proposal.numbers())
-    return f"Its numbers: {', '.join(told)}."
+    """Give the best term's fitted numbers, each with what it is, how sure and its unit."""
+    return f"Its numbers: {', '.join(map(_number_words, proposal.numbers()))}."
+
+
+def _number_words(number: NumberAnswer) -> str:
+    error = "" if number.standard_error is None else f" ± {one_digit(number.standard_error)}"
+    where = " (at its bound)" if number.at_bound else ""
+    return f"{number.meaning} {number.value:.3g}{error}{'' if number.unit == '-' else f' {number.unit}'}{where}"
 
 
 def discovery_words(proposal: Proposal) -> list[str]:

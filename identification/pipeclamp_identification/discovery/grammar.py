@@ -160,9 +160,9 @@ def _exponent(meaning: str, *starts: float, lower: float = 0.0, upper: float = 9
     return {"symbol": "p_x", "unit": "-", "meaning": meaning, "start": starts, "lower": lower, "upper": upper}
 
 
-def _clearance() -> Entry:
+def _limit() -> Entry:
     starts = tuple(f"{share} * A_highest" for share in (1.2, 1.6, 3.0))
-    meaning = "displacement at which the clearance is closed"
+    meaning = "displacement at which it would grow without bound"
     return {**LONG, "meaning": meaning, "start": starts, "lower": "1.05 * A_highest", "upper": "10 * A_highest"}
 
 
@@ -215,7 +215,7 @@ def _springs() -> Iterator[_Shape]:
         force = f"y / (y_x * {closed})" if side == "both" else f"1 / {closed} - 1"
         yield _Shape(
             f"closing_spring_{side}", force,
-            f"a spring whose force grows without bound towards a displacement on {SIDES[side]}", (_clearance(),),
+            f"a spring whose force grows without bound towards a displacement on {SIDES[side]}", (_limit(),),
             signed=True,
         )  # fmt: skip
 
@@ -253,7 +253,7 @@ PLACES = (
     ("_outside", "(y / y_x)**2 / (1 + (y / y_x)**2)", ", pinched about the middle and level farther out",
      (_length("displacement at which half of it acts", 0.1, 0.4),)),
     *((f"_closing_{side}", f"1 / {closed}**2", f", growing without bound towards a displacement on {SIDES[side]}",
-       (_clearance(),)) for side, closed in CLOSING.items()),
+       (_limit(),)) for side, closed in CLOSING.items()),
 )  # fmt: skip
 """Where a damper or a slip force acts: name, factor >= 0 of y, words, parameters."""
 

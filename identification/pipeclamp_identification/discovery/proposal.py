@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import Literal
@@ -43,6 +43,8 @@ class NumberAnswer(AnswerModel):
     symbol: str
     meaning: str
     value: float
+    standard_error: float | None = Field(description="of the value; None where the tests determine none")
+    at_bound: bool = Field(description="whether the value is as far as it may go")
     unit: str = Field(description="- where it has none")
 
 
@@ -147,11 +149,24 @@ class Proposal:
         declaration = self.best()
         if declaration is None or self.found is None:
             return ()
-        values = self.found.judged.result.law.values
-        if self.after is not None:
-            values = {name: entry.value for name, entry in self.after.coefficients.items()}
+        if self.after is None:
+            fit = self.found.judged.result
+            values, at_bound = fit.law.values, set(fit.at_bound)
+            errors: Mapping[str, float | None] = fit.standard_errors()
+        else:
+            entries = self.after.coefficients
+            values = {name: entry.value for name, entry in entries.items()}
+            errors = {name: entry.standard_error for name, entry in entries.items()}
+            at_bound = {name for name, entry in entries.items() if entry.state == "at_bound"}
         return tuple(
-            NumberAnswer(symbol=one.symbol, meaning=one.meaning, value=values[one.symbol], unit=one.unit)
+            NumberAnswer(
+                symbol=one.symbol,
+                meaning=one.meaning,
+                value=values[one.symbol],
+                standard_error=errors.get(one.symbol),
+                at_bound=one.symbol in at_bound,
+                unit=one.unit,
+            )
             for one in declaration.parameters
         )
 

@@ -35,7 +35,8 @@ def test_the_best_term_is_told_by_what_its_numbers_are():
     """It had been a line of code: F += F_x * ((y / sqrt(y**2 + y_r**2)) * (max(sqrt(y**2 + y_r**2) - y_x, 0) ...)."""
     (stop,) = (one for one in terms(("A", "f"), {}) if one.declaration.id == "found_stop_both_2")
     law = SimpleNamespace(values={"F_x": 237.392, "y_x": 0.67023, "k1": 1.0})
-    judged = SimpleNamespace(result=SimpleNamespace(law=law))
+    fit = SimpleNamespace(law=law, standard_errors=lambda: {"F_x": 12.3}, at_bound={"y_x": 0.67023})
+    judged = SimpleNamespace(result=fit)
     found = SimpleNamespace(term=stop, judged=judged, rivals=(), next_test="", caution="")
     reason = f"{stop.acts_like}: it comes back in 53% of draws"
     search = Search(SimpleNamespace(left_over=lambda: ()), found, 348, reason)
@@ -44,12 +45,12 @@ def test_the_best_term_is_told_by_what_its_numbers_are():
     assert words[:2] == [
         "Nothing is proposed: a spring that begins beyond a displacement on both sides and grows with the square: it "
         "comes back in 53% of draws.",
-        "Its numbers: force of the term 237 N, displacement from which it acts 0.67 mm.",
+        "Its numbers: force of the term 237 ± 10 N, displacement from which it acts 0.67 mm (at its bound).",
     ]
     assert "**" not in " ".join(words)
-    assert [(one.symbol, one.value, one.unit) for one in proposal.answer().numbers] == [
-        ("F_x", 237.392, "N"), ("y_x", 0.67023, "mm"),
-    ]  # fmt: skip
+    told = proposal.answer().numbers
+    assert [(one.symbol, one.value, one.unit) for one in told] == [("F_x", 237.392, "N"), ("y_x", 0.67023, "mm")]
+    assert [(one.standard_error, one.at_bound) for one in told] == [(12.3, False), (None, True)]
     assert formula_read(formula_of(stop.declaration)) == "F += F_x * (sign(y) * (max(|y| - y_x, 0) / A_0)**2)"
 
 
