@@ -115,6 +115,7 @@ class InTime:
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), self._shaken.size)
         self._points = MM * np.vstack([shapes, probes])
         self._scalar = [scalar_law(clamp.law) for clamp in clamps]
+        self._from_rest: dict[tuple[float, float], Marched | None] = {}
 
     @cached_property
     def _machine(self) -> Callable[..., float]:
@@ -140,7 +141,7 @@ class InTime:
     def at(self, frequency: float, drive: float, begin: Standing | None = None) -> Marched | None:
         """March at a frequency (Hz) under a sine of an amplitude (m/s2 or N) until the motion repeats.
 
-        The steps are halved until that hardly changes it.
+        What begins at rest is remembered: a curve's beginning is asked for by all who look for it.
 
         Args:
             frequency: Hz.
@@ -150,9 +151,18 @@ class InTime:
         Returns:
             the motion; None where it has no numbers.
         """
+        if begin is not None:
+            return self._in_steps_enough(frequency, drive, begin)
+        key = frequency, drive
+        if key not in self._from_rest:
+            self._from_rest[key] = self._in_steps_enough(frequency, drive, self.at_rest(frequency))
+        return self._from_rest[key]
+
+    def _in_steps_enough(self, frequency: float, drive: float, begin: Standing) -> Marched | None:
+        """March until the motion repeats, in steps that are halved until that hardly changes it."""
         highest = float(np.sqrt(np.abs(np.linalg.eigvals(self._stiffness)).max())) / (2 * pi)
         steps = max(FEWEST_STEPS, ceil(STEPS_A_PERIOD * highest / frequency))
-        found = self._repeated(frequency, drive, begin or self.at_rest(frequency), steps)
+        found = self._repeated(frequency, drive, begin, steps)
         if found is not None and found.round != 1:  # it may be the steps that keep it from repeating
             steps *= 2
             finer = self._repeated(frequency, drive, found.end, steps)

@@ -22,6 +22,7 @@ from pipeclamp_system.description.system import read_system
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import steady_clamps
 from pipeclamp_system.steady.response import run_response, write_response
+from pipeclamp_system.steady.start import settled
 from pipeclamp_system.steady.states import half_range
 
 DRY = {"k10": 80.0, "c0": 0.02, "alpha0": 1.0, "F_c": 10.0, "g_p": 0.1}
@@ -70,6 +71,24 @@ def test_a_pipe_that_turns_within_the_clearance_leaves_the_clamp_where_friction_
     marched = system(file, acceleration).marched(frequency)
     assert marched.round == 1
     assert half_range(marched.points) == pytest.approx(truth, rel=2e-3)
+
+
+def test_a_march_from_rest_is_done_once(tmp_path, write_law, monkeypatch):
+    """A curve's beginning had been marched for the balance, for its own motion, and as the first of those between."""
+    built = system(files(tmp_path, write_law, DRY, ("coulomb", "play")))
+    begun: list[float] = []
+    march = type(built.in_time)._in_steps_enough
+    monkeypatch.setattr(
+        type(built.in_time),
+        "_in_steps_enough",
+        lambda self, frequency, *rest: begun.append(frequency) or march(self, frequency, *rest),
+    )
+    settled(built, 4.6)
+    state, marched = built.at(4.6), built.marched(4.6)
+    assert begun == [4.6]
+    np.testing.assert_array_equal(state.clamps, marched.points[:1])
+    assert built.marched(4.6, marched.end) is not marched
+    assert begun == [4.6, 4.6]
 
 
 def test_its_phase_is_that_of_the_sine(tmp_path, write_law):
