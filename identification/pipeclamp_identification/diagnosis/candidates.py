@@ -26,7 +26,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 from pipeclamp_identification.fitting.least_squares import Fit, sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import kept
-from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
 MOST_FITTED = 8
@@ -193,6 +193,45 @@ def pairs(
         pair for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell) if pair.may_be_cause
     )
     return [larger_as_asked(pair, structure, problem, tell) for pair in found[:1]] + found[1:]
+
+
+def twins(
+    pair: Judged,
+    structure: Structure,
+    problem: Problem,
+    candidates: Sequence[Judged],
+    jobs: int,
+    tell: Callable[[str], None],
+) -> list[Judged]:
+    """Fit what acts like one of two effects in its place, beside the other; give what isn't objected to, best first.
+
+    By itself the one may have done best while another does so with the second beside it.
+
+    Args:
+        pair: the law with the two.
+        structure, problem: what they join.
+        candidates: every effect that was fitted by itself, best first.
+        jobs: processes.
+        tell: is told what is being done.
+    """
+    values = pair.result.law.values
+    contenders: list[Contender] = []
+    for gone, stays in (pair.effects, pair.effects[::-1]):
+        one = pair.result.law.structure.effect(gone)
+        # A general effect fits as well as its special case by itself.
+        alike = [
+            each
+            for each in candidates
+            if act_alike(one, each.effects[0]) and one.id not in structure.effect(each.effects[0]).special_cases
+        ]
+        for twin in [each for each in alike if effect_id(each.effects[0]) != effect_id(stays)][:MOST_PAIRED]:
+            larger = with_effect(structure, twin.effects[0])
+            if fits_beside(larger, stays):
+                both, alone = with_effect(larger, stays), twin.result.law.values
+                starts = [both.own(start) for start in ({**alone, **values}, {**values, **alone})]
+                in_order = most_promising_first(both, problem.coarse, starts)
+                contenders.append(Contender((twin.effects[0], stays), both, in_order))
+    return ranked(each for each in judge_each(contenders, problem, jobs, tell) if not each.objections)
 
 
 def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:

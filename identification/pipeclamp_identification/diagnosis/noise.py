@@ -102,6 +102,13 @@ class NoiseModel:
         elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
         return np.asarray(self.variance + elastic**2 + damping**2)
 
+    def no_scatter(self, residual: Array) -> Array:
+        """Give residuals, N, shape (R, 2 H + 1), without what scatter of stiffness and damping can make of them."""
+        for direction in (self.elastic, self.damping):
+            size = np.maximum(np.sum(direction**2, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+            residual = residual - np.sum(residual * direction, axis=1, keepdims=True) / size * direction
+        return residual
+
     def whitener(self, discrepancy: float = 0.0) -> Array:
         """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m).
 

@@ -194,9 +194,10 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
         damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
     )
     seen = problem.harmonics.seen
-    excess = np.where(seen, residual**2 - noise.total_variance(), 0.0)
+    # Also of what no scatter makes: where scatter could make all of the size, the form may still be another one.
+    excess = (residual**2 - noise.total_variance(), noise.no_scatter(residual) ** 2 - noise.variance)
     factors = factors_of(problem.groups_beside(best.law_force), problem.loops, problem.harmonics)
-    discrepancy = max(float(excess.sum()) / np.count_nonzero(seen), 0.0)
+    discrepancy = max(0.0, *(float(one[seen].sum()) / np.count_nonzero(seen) for one in excess))
     return replace(problem, noise=noise, discrepancy=discrepancy, factors=factors)
 
 

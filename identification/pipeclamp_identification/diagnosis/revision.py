@@ -27,8 +27,7 @@ from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
+from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import BASES, Law, Structure, find_base
 
 MOST_SWAPPED = 3
@@ -154,7 +153,7 @@ def _alike(asked: Asked) -> Iterator[_Swap]:
     effects = asked.structure.effects
     for name in effects:
         for other in known:
-            if _act_alike(asked.structure.effect(name), other):
+            if act_alike(asked.structure.effect(name), other):
                 # a larger member takes the place of the one that the law has
                 kept = [one for one in effects if one == name or effect_id(one) != effect_id(other)]
                 exchanged = tuple(other if one == name else one for one in kept)
@@ -192,14 +191,6 @@ def _swapped(asked: Asked, swaps: Iterable[_Swap], progress: Progress) -> list[J
         others = replace(structure, effects=tuple(name for name in structure.effects if name != come))
         found.append(larger_as_asked(judged, others, asked.problem, progress))
     return found
-
-
-def _act_alike(effect: Effect, other: str) -> bool:
-    """Tell whether one of two effects is known to imitate the other, or is a special case of it."""
-    twin = find_effect(other) if effect_id(other) in entries() else None
-    if twin is None:
-        return False
-    return any(one.id in (*of.imitated_by, *of.special_cases) for one, of in ((twin, effect), (effect, twin)))
 
 
 def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:

@@ -96,3 +96,11 @@ def member_number(name: str) -> int:
     identifier, _, argument = name.partition(":")
     entry = find_entry(identifier)
     return int(argument or str(entry.default)) if isinstance(entry, Family) and entry.numbered else 0
+
+
+def act_alike(effect: Effect, other: str) -> bool:
+    """Tell whether one of two effects is known to imitate the other, or is a special case of it."""
+    twin = find_effect(other) if effect_id(other) in entries() else None
+    if twin is None:
+        return False
+    return any(one.id in (*of.imitated_by, *of.special_cases) for one, of in ((twin, effect), (effect, twin)))

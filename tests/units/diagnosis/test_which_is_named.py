@@ -289,6 +289,7 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkey
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
     stand_in(monkeypatch, "screened", lambda *of: [])
     stand_in(monkeypatch, "pairs", lambda *of: pairs)
+    stand_in(monkeypatch, "twins", lambda *of: [])
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
     found = weigh(law.result.law.structure, None, law, [gas, asymmetry, inertia], TOLERANCE, 1, print)
     assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))

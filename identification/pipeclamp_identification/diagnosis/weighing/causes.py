@@ -131,6 +131,23 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 
 
+def unless_another_does(found: Weighed, like: Sequence[Judged]) -> Weighed:
+    """Call no pair the cause where one that acts alike fits as well, though it can't be named as the cause itself.
+
+    With more parameters it may come to the same.
+    """
+    pair = found.pair
+    if found.kind != "cause" or pair is None:
+        return found
+    size = len(pair.result.law.values)
+    alike = [each for each in like if each.reservations and len(each.result.law.values) <= size]
+    as_well = [each for each in alike if each.akaike - pair.akaike < RIVAL_LIKELIHOOD]
+    if not as_well:
+        return found
+    words = f"{' and '.join(as_well[0].effects)} together fit as well, though {as_well[0].reservations[0]}"
+    return replace(found, kind="part", reasons=(*found.reasons, words))
+
+
 def named_together(pair: Judged, sound: Sequence[Judged], kind: Kind, does: str, scales: Scales) -> Weighed:
     """Name the first of two effects that neither helps by itself: a cause only where one scales what the other has.
 

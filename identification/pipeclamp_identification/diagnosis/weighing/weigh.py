@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from pipeclamp_identification.diagnosis.candidates import likeliest, pairs
+from pipeclamp_identification.diagnosis.candidates import likeliest, pairs, ranked, twins
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -13,7 +13,13 @@ from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, NEAR_NOISE_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.diagnosis.weighing.between_levels import worst_level
-from pipeclamp_identification.diagnosis.weighing.causes import cause_of_two, if_it_is_itself, one_cause, takers_of_half
+from pipeclamp_identification.diagnosis.weighing.causes import (
+    cause_of_two,
+    if_it_is_itself,
+    one_cause,
+    takers_of_half,
+    unless_another_does,
+)
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
 from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, outdoes, part_of_two
 from pipeclamp_identification.diagnosis.weighing.reasons import (
@@ -81,6 +87,10 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
             found = pairs(structure, problem, law, sound, usable, seconds, scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = cause_of_two(found, sound, scales)
+            if weighed is not None and weighed.kind == "cause":
+                like = twins(found[0], structure, problem, scales.candidates, scales.jobs, scales.tell)
+                found = ranked([*found, *(each for each in like if each.may_be_cause)])
+                weighed = unless_another_does(cause_of_two(found, sound, scales) or weighed, like)
             if weighed is None and outdoes(pair, able, scales):
                 weighed = part_of_two(pair, sound, scales)
         weighed = weighed or one_part(able, rivals, promises, pair, scales) or part_of_two(pair, sound, scales)
