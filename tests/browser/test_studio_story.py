@@ -142,20 +142,29 @@ def test_the_whole_job(page, url, violations, home):
 
 
 def test_what_is_refused_stays_in_view_beside_the_jobs(page, url):
-    """A running job tells often what it does: neither it nor why another was refused is lost by that."""
+    """A running job tells often what it does: neither it nor why another was refused is lost by that.
+
+    A tab that didn't start it says where the law is, and stays.
+    """
     page.goto(url)
     page.goto(re.sub(r"/\?.*", "/c/clamp_a_heldout/", url))
     page.wait_for_selector(LOOP)
+    other = page.context.new_page()
     page.evaluate("""async () => {
         const { complain, start } = await import("/static/ask.js");
         await start("/c/clamp_a_heldout/jobs", { kind: "identify", base: "power" }, "clamp_a_heldout", () => {});
         complain("2 jobs are running");
     }""")
+    cancel = page.wait_for_selector(".job.running button")
+    other.goto(page.url)
     page.wait_for_selector(".job.running .says:not(:text('starting'))", timeout=A_JOB_ms)
     assert page.is_visible(".job.refused:has-text('2 jobs are running')")
+    assert cancel.evaluate("button => button.isConnected"), "a click that takes its time finds the button still there"
     page.wait_for_selector(".job.running", state="detached", timeout=A_JOB_ms)
     page.click(".job.refused >> text=Close")
     assert page.locator(".job").count() == 0
+    law = other.get_attribute(".job >> text=Open it", "href")
+    assert law.endswith("/c/clamp_a_heldout/laws/law1") and other.inner_text("#answer-title") == "No law yet"
     told = page.evaluate("""async () => {
         const { ask } = await import("/static/ask.js");
         window.fetch = () => Promise.reject(new TypeError("Failed to fetch"));

@@ -192,7 +192,7 @@ def test_what_is_missing_is_added_until_nothing_helps(hiding, tmp_path):
     assert law_of(climbed).values == law_of(same.file).values
     told = Told.model_validate_json((tmp_path / "law2.told.json").read_text())
     assert (told.verdict, told.law_command) == ("complete", stamp(climbed))
-    assert any("on left-out conditions; " in words for words in said)
+    assert any(words.startswith("+ asymmetry\n") and "on left-out conditions; " in words for words in said)
 
 
 def test_a_ladder_that_adds_nothing_leaves_the_diagnosis_of_the_law(campaign, tmp_path):
@@ -212,6 +212,9 @@ def test_a_ladder_that_is_stopped_leaves_the_law_so_far(hiding, tmp_path):
         job = studio.json("/c/hiding/jobs", {"kind": "climb", "law": "law1"})
         while not (tmp_path / "home" / "law2.json").exists() and studio.desk.jobs.running("hiding"):
             time.sleep(0.02)
+        assert b"/laws/law2" not in studio.ask("/c/hiding/")[2], "it is another law after each rung"
+        status, _, refused = studio.ask("/c/hiding/laws/law2")
+        assert (status, b"law2: is being made" in refused) == (400, True)
         studio.json(f"/c/hiding/jobs/{job['number']}/cancel", {})
         ended = studio.done(job)
         assert (ended["state"], ended["result"]) == ("cancelled", {"law": "law2"})
