@@ -89,6 +89,22 @@ def test_most_of_the_force_may_be_a_constant_load(campaign, tmp_path):
     assert "Most of the force is a constant load; of the rms of the rest the error is" in page
 
 
+def test_an_addition_that_does_not_help_is_told_with_the_way_back(campaign, tmp_path):
+    project, law = Project(str(campaign), tmp_path / "laws"), pc.identify(campaign)
+    law.save(project.folder / "law1.json")
+    added = pc.add(law, "damping_temperature", campaign).file
+    for after, said in ((0.01, False), (0.09, True)):
+        first, last = added.history
+        history = (
+            first.model_copy(update={"refitted_nrmse": 0.06}), last.model_copy(update={"refitted_nrmse": after})
+        )  # fmt: skip
+        (project.folder / "law2.json").write_text(law_text(added.model_copy(update={"history": history})))
+        page = campaign_page(Opened("virtual", project, read_bench(str(campaign))), "law2", by="", beside="")
+        words = "rises with damping_temperature (6.00% -&gt; 9.00%); keep the law without it."
+        assert (words in page) is said
+        assert ("Back to law1" in page) is said
+
+
 def test_a_run_errs_as_compare_says(studio, campaign, home):
     answer = pc.compare(home / "law1.json", campaign).to_dict()
     for expected in answer["runs"]:
