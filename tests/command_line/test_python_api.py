@@ -1,8 +1,8 @@
 """The Python API: the commands' answers bit by bit, light to import, clear where it can't serve."""
 
 import doctest
-import inspect
 import html
+import inspect
 import json
 import shutil
 import subprocess
