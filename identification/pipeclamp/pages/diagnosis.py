@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Card, Section
@@ -39,17 +37,16 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
 
 
 def promised(diagnosis: Diagnosis) -> list[Rung]:
-    """Give the law as it is, and what the effects that the answer names, or the best one, would make of it.
+    """Give the law as it is, and what the effects that it names would make of it; nothing else is promised.
 
-    Of two that help only together neither is promised anything alone: they are added at once. What does nothing is
-    not drawn.
+    Of two that help only together neither is promised anything alone: they are added at once. Two that do nothing are
+    no step.
     """
+    pair = diagnosis.pair
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
-    # what runs at the same stated conditions differ by is promised to no effect
-    best = [] if diagnosis.found.unstated or diagnosis.found.bent else _that_help(diagnosis.candidates[:1], diagnosis)
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
-    alone = [] if both else named or best
-    together = _that_help([diagnosis.pair] if diagnosis.pair else [], diagnosis)
+    helps = pair is not None and explained_share(pair, diagnosis.law) >= LEAST_HELP
+    coming = [*([] if both else named), *([pair] if pair and helps else [])] if diagnosis.effects else []
     return [
         Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
         *(
@@ -59,13 +56,9 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
                 promised=True,
                 explained=explained_share(judged, diagnosis.law),
             )
-            for place, judged in enumerate([*alone, *together])
+            for place, judged in enumerate(coming)
         ),
     ]
-
-
-def _that_help(candidates: Sequence[Judged], diagnosis: Diagnosis) -> list[Judged]:
-    return [judged for judged in candidates if explained_share(judged, diagnosis.law) >= LEAST_HELP]
 
 
 def evidence_sections(answer: Diagnosed) -> list[Section]:

@@ -1,0 +1,21 @@
+"""What speaks against a candidate stands beside it: a reader of the table sees why it isn't named."""
+
+from types import SimpleNamespace
+
+from pipeclamp.show.diagnosis import NO_GAIN, against
+
+
+def judged(akaike, heldout):
+    return SimpleNamespace(
+        effects=("memory",), akaike=akaike, heldout_nrmse=heldout, heldout_by={}, objections=(), reservations=(),
+        squares=1.0, result=None,
+    )  # fmt: skip
+
+
+def test_what_only_steadies_is_told_so(monkeypatch):
+    """It halves the error on left-out conditions, and the fit to all tests is hardly better with it."""
+    monkeypatch.setattr("pipeclamp.show.diagnosis.simpler_words", lambda *_: ())
+    law = judged(100.0, 0.07)
+    for akaike, said in ((90.0, []), (100.5, [NO_GAIN])):
+        candidate = judged(akaike, 0.03)
+        assert against(candidate, SimpleNamespace(law=law, candidates=[candidate], tolerance=1.0)) == said
