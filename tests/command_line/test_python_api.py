@@ -90,6 +90,7 @@ def test_an_addition_that_does_not_help_says_so(tmp_path):
     assert html.escape(vain) in worse._repr_html_()
     page = worse.report(tmp_path / "law.html").read_text(encoding="utf-8")
     assert html.escape(vain) in page
+    assert '<p class="subtitle">power + gap</p>' in page
     assert vain in str(pc.open_law(worse.save(tmp_path / "law.json")))
 
 

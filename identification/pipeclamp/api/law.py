@@ -152,7 +152,8 @@ class Law:
         from pipeclamp.pages.sections import law_alone_page
 
         target = Path(path)
-        write_report(target, f"Law {self.name}", str(self), law_alone_page(self.file))
+        made_of = " + ".join((self.base, *self.effects))
+        write_report(target, f"Law {self.name}", made_of, law_alone_page(self.file, self._steps))
         return target
 
     def __repr__(self) -> str:

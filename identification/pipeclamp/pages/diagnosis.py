@@ -111,14 +111,17 @@ def _left_over_sentences(answer: Diagnosed) -> list[str]:
 
 
 def _screened(diagnosis: Diagnosis) -> list[str]:
-    """Say which effects weren't refitted, since one step towards them showed that they can't help."""
+    """Say which effects weren't refitted, since one step towards them gained too little beside the best one's."""
     shares = diagnosis.screened_out
     if not shares:
         return []
     some = ", ".join(f"{name} ({share:.1%})" for name, share in shares.items() if share >= SHOWN_PROMISE)
     none = ", ".join(name for name, share in shares.items() if share < SHOWN_PROMISE)
     told = "; ".join(filter(None, (some, none)))
-    return [f"One step towards each showed that these can't help (what they promise beside the best one): {told}."]
+    return [
+        "One linear step towards each effect shows which ones are worth a fit. These gain less by it, beside what the "
+        f"best one gains, and weren't fitted: {told}."
+    ]
 
 
 def _proposal_section(proposal: Proposal) -> Section:

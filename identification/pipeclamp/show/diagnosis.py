@@ -69,10 +69,8 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
 
 
 def helpful(diagnosis: Diagnosis) -> list[Judged]:
-    """Give the candidates that take any of what is missing, or at least the best one."""
-    law = diagnosis.law
-    found = [one for one in diagnosis.candidates if explained_share(one, law) >= LEAST_HELP]
-    return found or list(diagnosis.candidates[:1])
+    """Give the candidates that take any of what is missing."""
+    return [one for one in diagnosis.candidates if explained_share(one, diagnosis.law) >= LEAST_HELP]
 
 
 def before_physics(found: Diagnosed) -> list[str]:

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from pipeclamp.show.diagnosis import NO_GAIN, against
+from pipeclamp.show.diagnosis import LEAST_HELP, NO_GAIN, against, helpful
 
 
 def judged(akaike, heldout):
@@ -19,3 +19,10 @@ def test_what_only_steadies_is_told_so(monkeypatch):
     for akaike, said in ((90.0, []), (100.5, [NO_GAIN])):
         candidate = judged(akaike, 0.03)
         assert against(candidate, SimpleNamespace(law=law, candidates=[candidate], tolerance=1.0)) == said
+
+
+def test_what_takes_nothing_is_no_candidate_to_show(monkeypatch):
+    """Also where it is the best one: a page had drawn it, "0% of what is missing. Against it: nothing"."""
+    monkeypatch.setattr("pipeclamp.show.diagnosis.explained_share", lambda candidate, law: candidate)
+    assert helpful(SimpleNamespace(law=None, candidates=[0.0])) == []
+    assert helpful(SimpleNamespace(law=None, candidates=[0.4, LEAST_HELP, 0.0])) == [0.4, LEAST_HELP]
