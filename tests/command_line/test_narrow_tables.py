@@ -36,3 +36,12 @@ def test_a_table_that_fits_stays_as_it_is(capsys):
 def test_words_too_long_for_the_screen_are_folded(capsys):
     print_table(Table(("with", "error", "file"), [("a", 1.0, "x" * 120)]), width=80)
     assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
+
+
+def test_a_name_stays_whole_where_a_word_of_a_sentence_is_a_little_too_long(capsys):
+    header = ("with", "error / %", "on left-out conditions / %", "explained / %", "by scatter alone / %", "against it")
+    row = ("exponential_stiffening", 2.325, 6.08, 67.71, 0.3398, "delta_s ran into its bound (0.09549); and more")
+    print_table(Table(header, [row, ("law as it is, refitted", 3.339, 11.24, 0.0, "–", "–")]), width=80)
+    told = capsys.readouterr().out
+    assert "exponential_stiffening" in told
+    assert max(map(len, told.splitlines())) <= 80

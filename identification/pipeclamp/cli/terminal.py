@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 WIDE = 150
 COMMAND = ": pipeclamp "
 """What a line holds that ends with a command."""
+FOLDED = 5
+"""Letters, into which a sentence's longest word may be folded where a table would be too wide else."""
 MARKED = "bold red"
 """Style of what isn't to be trusted."""
 
@@ -261,9 +263,11 @@ def _narrow(
     if sum(max(map(len, column)) for column in columns) + borders <= width or all(numeric[1:]):
         return {}
     least = [max(len(word) for text in column for word in text.split() or [""]) for column in columns]
-    if sum(least) + borders > width:
+    whole = [index for index in range(len(columns)) if index == 0 or numeric[index]]
+    sentences = sum(min(size, FOLDED) for index, size in enumerate(least) if index not in whole)
+    if sum(least[index] for index in whole) + sentences + borders > width:
         return {}
-    return {index: least[index] for index in range(len(columns)) if index == 0 or numeric[index]}
+    return {index: least[index] for index in whole}
 
 
 def names_in(text: str) -> tuple[str, ...]:
