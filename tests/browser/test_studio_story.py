@@ -74,6 +74,9 @@ def test_the_whole_job(page, url, violations, home):
     page.goto(url)
     page.wait_for_selector(LOOP)
     assert page.locator(".map .cell").count() == 48
+    assert "in the cells: number of runs" in page.inner_text(".axes")
+    tall = "box => box.getBoundingClientRect().height"
+    assert page.locator("#loop .nsewdrag").first.evaluate(tall) > 400, "no law, no difference: the loop has the room"
     assert violations(page) == []
 
     tab_to(page, "Fit the law")  # the first step with keys alone

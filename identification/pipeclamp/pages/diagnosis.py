@@ -16,6 +16,7 @@ from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
 
@@ -106,7 +107,9 @@ def _left_over_sentences(answer: Diagnosed) -> list[str]:
     diagnosis = answer.diagnosis
     if answer.verdict == "complete" and not diagnosis.is_adequate(diagnosis.law):
         lack = diagnosis.law.lack
-        return [f"{lack.rms:.3g} N that follow the conditions, {lack.share:.2g} times the noise: see the answer above."]
+        return [
+            f"{newtons(lack.rms)} that follow the conditions, {lack.share:.2g} times the noise: see the answer above."
+        ]
     return ["Nothing that follows the conditions."]
 
 

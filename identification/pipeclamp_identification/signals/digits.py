@@ -13,6 +13,15 @@ def one_digit(value: float) -> str:
     return plain(value, 1)
 
 
+def newtons(force: float) -> str:
+    """Give a force of a sentence: three digits, and its unit.
+
+    >>> newtons(2861.4)
+    '2860 N'
+    """
+    return f"{plain(force, 3)} N"
+
+
 def told_apart(*shares: float) -> tuple[str, ...]:
     """Give shares in percent, in tenths or hundredths only where they would look alike without.
 
