@@ -102,7 +102,7 @@ def test_an_addition_that_does_not_help_is_told_with_the_way_back(campaign, tmp_
         page = campaign_page(Opened("virtual", project, read_bench(str(campaign))), "law2", by="", beside="")
         words = "rises with damping_temperature (6.00% -&gt; 9.00%); keep the law without it."
         assert (words in page) is said
-        assert ("Back to law1" in page) is said
+        assert ('<a class="button primary" href="/c/virtual/laws/law1">Step back to law1' in page) is said
 
 
 def test_a_run_errs_as_compare_says(studio, campaign, home):
