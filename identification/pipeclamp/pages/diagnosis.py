@@ -18,7 +18,6 @@ from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.catalogue import effect_id
 
 SHOWN_PROMISE = 0.001
 """Less than this share of the best effect's promise is shown as none."""
@@ -44,7 +43,7 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
     no step.
     """
     pair = diagnosis.pair
-    named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
+    named = [judged for judged in diagnosis.candidates if judged.effects[0] in diagnosis.effects]
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
     helps = pair is not None and explained_share(pair, diagnosis.law) >= LEAST_HELP
     coming = [*([] if both else named), *([pair] if pair and helps else [])] if diagnosis.effects else []

@@ -192,7 +192,7 @@ def _difference(laws: Sequence[tuple[LawFile, Held]], about: int) -> list[Sectio
 
 
 def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
-    """Draw a law's way, where it has one, and what would come next.
+    """Draw a law's way, or its only step, and what would come next.
 
     Args:
         file: the law.
@@ -202,7 +202,7 @@ def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
     if next_rungs:
         now, *coming = next_rungs
         rungs = with_promised(rungs, now, coming)
-    if len(rungs) < 2:
+    if not rungs:
         return []
     fit = file.fit
     axis = OF_METRICS if fit and fit.of_metrics else OF_FORCE

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+from pipeclamp.pages.diagnosis import promised
 from pipeclamp.show.diagnosis import LEAST_HELP, NO_GAIN, against, helpful
 
 
@@ -26,3 +27,14 @@ def test_what_takes_nothing_is_no_candidate_to_show(monkeypatch):
     monkeypatch.setattr("pipeclamp.show.diagnosis.explained_share", lambda candidate, law: candidate)
     assert helpful(SimpleNamespace(law=None, candidates=[0.0])) == []
     assert helpful(SimpleNamespace(law=None, candidates=[0.4, LEAST_HELP, 0.0])) == [0.4, LEAST_HELP]
+
+
+def test_what_is_named_with_a_number_is_promised_too(monkeypatch):
+    """Of memory:3 or slip_spread a page had drawn the second alone."""
+    monkeypatch.setattr("pipeclamp.pages.diagnosis.explained_share", lambda candidate, law: 0.7)
+    candidates = [SimpleNamespace(effects=(name,), heldout_nrmse=0.02) for name in ("memory:3", "slip_spread", "gap")]
+    named = ("memory:3", "slip_spread")
+    found = SimpleNamespace(named=SimpleNamespace(effects=named[:1]))
+    law = SimpleNamespace(heldout_nrmse=0.03)
+    diagnosis = SimpleNamespace(law=law, candidates=candidates, pair=None, effects=named, found=found)
+    assert [rung.label for rung in promised(diagnosis)] == ["law as it is", "+ memory:3", "or + slip_spread"]
