@@ -74,6 +74,9 @@ def test_the_whole_job(page, url, violations, home):
     page.goto(url)
     page.wait_for_selector(LOOP)
     assert page.locator(".map .cell").count() == 48
+    assert "in the cells: number of runs" in page.inner_text(".axes")
+    tall = "box => box.getBoundingClientRect().height"
+    assert page.locator("#loop .nsewdrag").first.evaluate(tall) > 400, "no law, no difference: the loop has the room"
     assert violations(page) == []
 
     tab_to(page, "Fit the law")  # the first step with keys alone
@@ -142,20 +145,29 @@ def test_the_whole_job(page, url, violations, home):
 
 
 def test_what_is_refused_stays_in_view_beside_the_jobs(page, url):
-    """A running job tells often what it does: neither it nor why another was refused is lost by that."""
+    """A running job tells often what it does: neither it nor why another was refused is lost by that.
+
+    A tab that didn't start it says where the law is, and stays.
+    """
     page.goto(url)
     page.goto(re.sub(r"/\?.*", "/c/clamp_a_heldout/", url))
     page.wait_for_selector(LOOP)
+    other = page.context.new_page()
     page.evaluate("""async () => {
         const { complain, start } = await import("/static/ask.js");
         await start("/c/clamp_a_heldout/jobs", { kind: "identify", base: "power" }, "clamp_a_heldout", () => {});
         complain("2 jobs are running");
     }""")
+    cancel = page.wait_for_selector(".job.running button")
+    other.goto(page.url)
     page.wait_for_selector(".job.running .says:not(:text('starting'))", timeout=A_JOB_ms)
     assert page.is_visible(".job.refused:has-text('2 jobs are running')")
+    assert cancel.evaluate("button => button.isConnected"), "a click that takes its time finds the button still there"
     page.wait_for_selector(".job.running", state="detached", timeout=A_JOB_ms)
     page.click(".job.refused >> text=Close")
     assert page.locator(".job").count() == 0
+    law = other.get_attribute(".job >> text=Open it", "href")
+    assert law.endswith("/c/clamp_a_heldout/laws/law1") and other.inner_text("#answer-title") == "No law yet"
     told = page.evaluate("""async () => {
         const { ask } = await import("/static/ask.js");
         window.fetch = () => Promise.reject(new TypeError("Failed to fetch"));
@@ -180,6 +192,7 @@ def test_two_effects_are_added_at_once(page, violations, tmp_path):
         assert table.evaluate("box => box.scrollWidth <= box.clientWidth")
         page.set_viewport_size(NARROW)
         assert soon_no_wider_than_the_window(page)
+        assert table.evaluate("box => box.scrollWidth <= box.clientWidth"), "what speaks against it is in view"
         assert violations(page) == []
         add = page.locator(".answer button:has-text('Add memory and damping_temperature')")
         box = add.bounding_box()

@@ -1,6 +1,7 @@
 """The Python API: the commands' answers bit by bit, light to import, clear where it can't serve."""
 
 import doctest
+import html
 import inspect
 import json
 import shutil
@@ -79,6 +80,18 @@ def test_add_gives_the_commands_law(pipeclamp, small, tests, law, tmp_path):
     back = pc.remove(tmp_path / "law2.json", "damping_temperature", tests)
     assert back.effects == ()
     assert back.nrmse == pytest.approx(law.nrmse, rel=1e-6)
+
+
+def test_an_addition_that_does_not_help_says_so(tmp_path):
+    worse = pc.add(pc.identify("emwm2_tables"), "gap", "emwm2_tables")
+    before, after = [step.refitted_nrmse for step in worse.file.history]
+    vain = f"The law got worse: the error on left-out conditions rises with gap ({before:.2%} -> {after:.2%}); "
+    assert f"{vain}keep the law without it." in str(worse).splitlines()
+    assert html.escape(vain) in worse._repr_html_()
+    page = worse.report(tmp_path / "law.html").read_text(encoding="utf-8")
+    assert html.escape(vain) in page
+    assert '<p class="subtitle">power + gap</p>' in page
+    assert vain in str(pc.open_law(worse.save(tmp_path / "law.json")))
 
 
 def without_two_runs(campaign, folder):

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp.api.shown import PathOrName, html_table, path_of
-from pipeclamp.show.law import coefficient_table, doubts, fit_words
+from pipeclamp.show.law import coefficient_table, doubts, fit_words, vain_words
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law import bundled
 from pipeclamp_models.law.file import LawFile, write_law
@@ -31,8 +31,10 @@ class Law:
     ('damping_temperature', 'contact_growth', 'stiffness_frequency')
     """
 
-    def __init__(self, file: LawFile, origin: str | None = None) -> None:
+    def __init__(self, file: LawFile, origin: str | None = None, *, steps: int = 1) -> None:
+        """Hold a file, from an origin; so many of the last steps of its history were taken at once."""
         self.file = file
+        self._steps = steps
         self.origin = origin or f"{file.name}.json"
         self._kept = origin is not None
 
@@ -150,7 +152,8 @@ class Law:
         from pipeclamp.pages.sections import law_alone_page
 
         target = Path(path)
-        write_report(target, f"Law {self.name}", str(self), law_alone_page(self.file))
+        made_of = " + ".join((self.base, *self.effects))
+        write_report(target, f"Law {self.name}", made_of, law_alone_page(self.file, self._steps))
         return target
 
     def __repr__(self) -> str:
@@ -165,9 +168,13 @@ class Law:
         return "\n".join([*lines, *self._history(), *doubts(self.file)])
 
     def _history(self) -> Sequence[str]:
-        """Say what each step did to the error on left-out conditions."""
+        """Say what each step did to the error on left-out conditions, and where the last addition doesn't help."""
         known = [step for step in self.file.history if step.refitted_nrmse is not None]
-        return [f"{step.step}: error on left-out conditions {step.refitted_nrmse:.2%}" for step in known]
+        vain = vain_words(self.file.history, self._steps)
+        return [
+            *(f"{step.step}: error on left-out conditions {step.refitted_nrmse:.2%}" for step in known),
+            *([f"{vain}."] if vain else []),
+        ]
 
     def _repr_html_(self) -> str:
         """Give what a notebook shows."""

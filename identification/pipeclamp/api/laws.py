@@ -161,7 +161,7 @@ def add(
     steps = add_effects(
         file, names, tests.tests, command=command, date=None, declared=declarations, kind=kind, progress=progress
     )
-    return Law(steps[-1].after)
+    return Law(steps[-1].after, steps=len(steps))
 
 
 @one_thread()

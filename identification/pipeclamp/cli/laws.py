@@ -395,7 +395,7 @@ def _change(
     for step in steps:
         print_table(addition_table(step))
     _print_fit(changed, output)
-    if title == "add" and (words := vain_words(steps)):
+    if title == "add" and (words := vain_words(changed.history, len(steps))):
         console().print(words, highlight=False)
         added = [name for name in changed.effects if name not in file.effects]
         print_next(after_vain_addition(law, str(output), added, str(campaign)))

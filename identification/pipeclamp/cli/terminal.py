@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 WIDE = 150
 COMMAND = ": pipeclamp "
 """What a line holds that ends with a command."""
+FOLDED = 5
+"""Letters, into which a sentence's longest word may be folded where a table would be too wide else."""
 MARKED = "bold red"
 """Style of what isn't to be trusted."""
 
@@ -235,15 +237,37 @@ def print_table(table: Table, width: int | None = None) -> None:
 
     from pipeclamp.show.table import cell
 
+    texts = [[printable(cell(value), keep="\n") for value in row] for row in table.rows]
+    numeric = [any(isinstance(row[index], float) for row in table.rows) for index in range(len(table.header))]
+    narrow = _narrow(table.header, texts, numeric, width or console().width)
     shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
     for index, head in enumerate(table.header):
-        numeric = any(isinstance(row[index], float) for row in table.rows)
         # a name is typed as it stands, so it stays on one line
-        name = index == 0 and all(" " not in cell(row[0]) for row in table.rows)
-        shown.add_column(head, justify="right" if numeric else "left", overflow="fold", no_wrap=name)
-    for row in table.rows:
-        shown.add_row(*(Text(printable(cell(value), keep="\n")) for value in row))
+        name = index == 0 and all(" " not in row[0] for row in texts)
+        justify: Literal["left", "right"] = "right" if numeric[index] else "left"
+        shown.add_column(head, justify=justify, overflow="fold", no_wrap=name, width=narrow.get(index))
+    for row in texts:
+        shown.add_row(*map(Text, row))
     console().print(shown, highlight=False, width=width)
+
+
+def _narrow(
+    header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[bool], width: int
+) -> dict[int, int]:
+    """Give the columns that are made as narrow as their longest word, by place; sentences take what is left.
+
+    None where the table isn't too wide, holds no sentences beside its first column, or is too wide by its words alone.
+    """
+    columns = [[head, *(row[index] for row in rows)] for index, head in enumerate(header)]
+    borders = 3 * len(columns) + 1
+    if sum(max(map(len, column)) for column in columns) + borders <= width or all(numeric[1:]):
+        return {}
+    least = [max(len(word) for text in column for word in text.split() or [""]) for column in columns]
+    whole = [index for index in range(len(columns)) if index == 0 or numeric[index]]
+    sentences = sum(min(size, FOLDED) for index, size in enumerate(least) if index not in whole)
+    if sum(least[index] for index in whole) + sentences + borders > width:
+        return {}
+    return {index: least[index] for index in whole}
 
 
 def names_in(text: str) -> tuple[str, ...]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Card, Section
@@ -18,8 +16,8 @@ from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.catalogue import effect_id
 
 SHOWN_PROMISE = 0.001
 """Less than this share of the best effect's promise is shown as none."""
@@ -39,17 +37,16 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
 
 
 def promised(diagnosis: Diagnosis) -> list[Rung]:
-    """Give the law as it is, and what the effects that the answer names, or the best one, would make of it.
+    """Give the law as it is, and what the effects that it names would make of it; nothing else is promised.
 
-    Of two that help only together neither is promised anything alone: they are added at once. What does nothing is
-    not drawn.
+    Of two that help only together neither is promised anything alone: they are added at once. Two that do nothing are
+    no step.
     """
-    named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
-    # what runs at the same stated conditions differ by is promised to no effect
-    best = [] if diagnosis.found.unstated or diagnosis.found.bent else _that_help(diagnosis.candidates[:1], diagnosis)
+    pair = diagnosis.pair
+    named = [judged for judged in diagnosis.candidates if judged.effects[0] in diagnosis.effects]
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
-    alone = [] if both else named or best
-    together = _that_help([diagnosis.pair] if diagnosis.pair else [], diagnosis)
+    helps = pair is not None and explained_share(pair, diagnosis.law) >= LEAST_HELP
+    coming = [*([] if both else named), *([pair] if pair and helps else [])] if diagnosis.effects else []
     return [
         Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
         *(
@@ -59,13 +56,9 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
                 promised=True,
                 explained=explained_share(judged, diagnosis.law),
             )
-            for place, judged in enumerate([*alone, *together])
+            for place, judged in enumerate(coming)
         ),
     ]
-
-
-def _that_help(candidates: Sequence[Judged], diagnosis: Diagnosis) -> list[Judged]:
-    return [judged for judged in candidates if explained_share(judged, diagnosis.law) >= LEAST_HELP]
 
 
 def evidence_sections(answer: Diagnosed) -> list[Section]:
@@ -113,19 +106,24 @@ def _left_over_sentences(answer: Diagnosed) -> list[str]:
     diagnosis = answer.diagnosis
     if answer.verdict == "complete" and not diagnosis.is_adequate(diagnosis.law):
         lack = diagnosis.law.lack
-        return [f"{lack.rms:.3g} N that follow the conditions, {lack.share:.2g} times the noise: see the answer above."]
+        return [
+            f"{newtons(lack.rms)} that follow the conditions, {lack.share:.2g} times the noise: see the answer above."
+        ]
     return ["Nothing that follows the conditions."]
 
 
 def _screened(diagnosis: Diagnosis) -> list[str]:
-    """Say which effects weren't refitted, since one step towards them showed that they can't help."""
+    """Say which effects weren't refitted, since one step towards them gained too little beside the best one's."""
     shares = diagnosis.screened_out
     if not shares:
         return []
     some = ", ".join(f"{name} ({share:.1%})" for name, share in shares.items() if share >= SHOWN_PROMISE)
     none = ", ".join(name for name, share in shares.items() if share < SHOWN_PROMISE)
     told = "; ".join(filter(None, (some, none)))
-    return [f"One step towards each showed that these can't help (what they promise beside the best one): {told}."]
+    return [
+        "One linear step towards each effect shows which ones are worth a fit. These gain less by it, beside what the "
+        f"best one gains, and weren't fitted: {told}."
+    ]
 
 
 def _proposal_section(proposal: Proposal) -> Section:

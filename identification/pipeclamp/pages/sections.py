@@ -15,7 +15,7 @@ from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_pro
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, Rung, rungs_of, waterfall_picture, with_promised
-from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table
+from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table, vain_words
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
 from pipeclamp.show.views import scatter_of
@@ -153,9 +153,17 @@ def law_page(file: LawFile, held: Held) -> list[Section]:
     return [answer, *_difference([(file, held)], 0), *law_sections(file), *_details(held)]
 
 
-def law_alone_page(file: LawFile) -> list[Section]:
-    """Give the page of a law without tests: how its error fell, its equations, parameters and surfaces."""
-    words = [f"Against its own data: {fit_words(file.fit)}."] if file.fit else []
+def law_alone_page(file: LawFile, steps: int = 1) -> list[Section]:
+    """Give the page of a law without tests: how its error fell, its equations, parameters and surfaces.
+
+    Args:
+        file: the law.
+        steps: how many of the last steps of its history were taken at once.
+    """
+    vain = vain_words(file.history, steps)
+    words = [
+        *([f"Against its own data: {fit_words(file.fit)}."] if file.fit else []), *([f"{vain}."] if vain else [])
+    ]  # fmt: skip
     return [Section("Answer", words, figures=_falling(file, ())), *law_sections(file)]
 
 
@@ -184,7 +192,7 @@ def _difference(laws: Sequence[tuple[LawFile, Held]], about: int) -> list[Sectio
 
 
 def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
-    """Draw a law's way, where it has one, and what would come next.
+    """Draw a law's way, or its only step, and what would come next.
 
     Args:
         file: the law.
@@ -194,7 +202,7 @@ def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
     if next_rungs:
         now, *coming = next_rungs
         rungs = with_promised(rungs, now, coming)
-    if len(rungs) < 2:
+    if not rungs:
         return []
     fit = file.fit
     axis = OF_METRICS if fit and fit.of_metrics else OF_FORCE

@@ -113,7 +113,9 @@ def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis
     figure.update_xaxes(tickangle=0, type="category")
     figure.update_yaxes(title_text=axis, rangemode="tozero")
     figure = styled(figure, title, least_width=min(BESIDE + RUNG_WIDTH * len(rungs), WIDEST))
-    return figure.update_layout(showlegend=len(names) > 1, margin={"r": 70, "b": 105}, bargap=0.25)
+    return figure.update_layout(
+        showlegend=len(names) > 1, margin={"r": 70, "b": 105}, bargap=0.25 if rungs[1:] else 0.75
+    )
 
 
 def _below_each_other(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:

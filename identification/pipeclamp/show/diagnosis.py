@@ -19,10 +19,11 @@ LEAST_HELP = 0.005
 """A candidate that takes less than half a percent of what is missing, which is shown as 0, does nothing."""
 WORSE = 1.02
 """An error on left-out conditions that rises by less is the same."""
+NO_GAIN = "fitted to all tests it takes no more than its parameters cost"
 
 
 def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
-    """Say what speaks against a candidate: its parameters, left-out conditions it foretells worse, a simpler effect."""
+    """Say what speaks against a candidate: its parameters, the fit to all, left-out conditions, a simpler effect."""
     law = diagnosis.law
     errors = {"A, f": (law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= {name: (error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
@@ -32,7 +33,8 @@ def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
         if after > WORSE * before
     )
     simpler = simpler_words(candidate, diagnosis.candidates, law, diagnosis.tolerance)
-    return [*candidate.objections, *candidate.reservations, *worse, *simpler]
+    idle = [NO_GAIN] if candidate.akaike >= law.akaike else []
+    return [*candidate.objections, *candidate.reservations, *idle, *worse, *simpler]
 
 
 def candidate_table(diagnosis: Diagnosis) -> Table:
@@ -67,10 +69,8 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
 
 
 def helpful(diagnosis: Diagnosis) -> list[Judged]:
-    """Give the candidates that take any of what is missing, or at least the best one."""
-    law = diagnosis.law
-    found = [one for one in diagnosis.candidates if explained_share(one, law) >= LEAST_HELP]
-    return found or list(diagnosis.candidates[:1])
+    """Give the candidates that take any of what is missing."""
+    return [one for one in diagnosis.candidates if explained_share(one, diagnosis.law) >= LEAST_HELP]
 
 
 def before_physics(found: Diagnosed) -> list[str]:

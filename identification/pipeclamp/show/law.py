@@ -9,8 +9,8 @@ from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.signals.digits import one_digit
-from pipeclamp_identification.workflow.change import STILL_AS_GOOD, Addition, helps
-from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
+from pipeclamp_identification.workflow.change import ADDED, STILL_AS_GOOD, Addition
+from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 
 MOVED = 2.0
@@ -165,16 +165,29 @@ def addition_table(addition: Addition) -> Table:
     return Table(("", "before", addition.effect), rows, f"What {addition.effect} did{said}")
 
 
-def vain_words(steps: Sequence[Addition]) -> str:
-    """Say that what was added doesn't help, and which law to keep; empty where it does; steps as for `helps`."""
-    without, having = steps[0].heldout[0], steps[-1].heldout[1]
-    if helps(steps):
+def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
+    """Say that what was added last doesn't help, and which law to keep; empty where it does, or nothing was added.
+
+    Args:
+        history: of the law.
+        steps: how many of its last steps were taken at once, on the same tests.
+    """
+    if not 0 < steps < len(history):
         return ""
-    names = " and ".join(step.effect.removeprefix("+ ") for step in steps)
+    added = history[-steps:]
+    without, having = history[-steps - 1].refitted_nrmse, history[-1].refitted_nrmse
+    if not all(step.step.startswith(ADDED) for step in added):
+        return ""
+    if without is None or having is None or having < without:
+        return ""
+    names = " and ".join(step.step.removeprefix(ADDED) for step in added)
     said, did = "The error", "doesn't fall"
     if having > STILL_AS_GOOD * without:
         said, did = "The law got worse: the error", "rises"
-    return f"{said} on left-out conditions {did} with {names} ({without:.2%} -> {having:.2%}); keep the law without it"
+    gone = "it" if steps == 1 else "them"
+    return (
+        f"{said} on left-out conditions {did} with {names} ({without:.2%} -> {having:.2%}); keep the law without {gone}"
+    )
 
 
 def _moved(before: CoefficientEntry | None, after: CoefficientEntry | None) -> bool:

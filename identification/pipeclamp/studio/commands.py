@@ -9,7 +9,6 @@ from typing import Any
 
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, Project
 from pipeclamp.studio.work import Task
-from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import quoted, shell_line
 from pipeclamp_models.law.file import Kind
@@ -90,10 +89,8 @@ def diagnose_task(project: Project, law: str, limits: str) -> Task:
     """Give the task that diagnoses a law.
 
     Raises:
-        UserError: there is no such law, or the limits can't be understood.
+        UserError: there is no such law.
     """
-    if limits:
-        parse_limits(limits)
     given = {"campaign": project.campaign, "law": str(project.path_of(law)), "limits": limits}
     return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law, limits), given, law)
 
@@ -108,10 +105,8 @@ def climb_task(project: Project, of: str, limits: str) -> tuple[Task, str]:
     """Give the task that adds what a law lacks, again and again, and the name of the law that comes of it.
 
     Raises:
-        UserError: there is no such law, or the limits can't be understood.
+        UserError: there is no such law.
     """
-    if limits:
-        parse_limits(limits)
     path, law = str(project.path_of(of)), project.reserve()
     command = climb_line(project, of, law, limits)
     given = {

@@ -13,7 +13,7 @@ from pipeclamp.pages.alternative import words_of
 from pipeclamp.pages.page import least_width, plain
 from pipeclamp.pages.waterfall import ESTIMATED, USED, Rung, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.comparison import how_much
-from pipeclamp.show.law import parameters_table
+from pipeclamp.show.law import parameters_table, vain_words
 from pipeclamp.show.table import cell
 from pipeclamp.studio.bench import Bench
 from pipeclamp.studio.error_map import ErrorMap, error_map
@@ -56,6 +56,7 @@ class LawShown:
         title: its base and effects.
         error, scatter: percent of the rms force.
         words: what is to know of that, as of tests of which most is a constant load.
+        vain: that what was added last doesn't help; empty where it does.
         waterfall: its history.
         map, before: of the error; that of the law before it, where there is one on the same tests.
         told: what a diagnosis said of it, where one was made.
@@ -69,6 +70,7 @@ class LawShown:
     error: float
     scatter: float | None
     words: tuple[str, ...]
+    vain: str
     waterfall: Picture
     map: ErrorMap
     before: ErrorMap | None
@@ -100,6 +102,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
         error=100 * held.nrmse,
         scatter=None if scatter is None else 100 * scatter,
         words=tuple(how_much(held)[1:]),
+        vain=_vain(file, project.law(parent) if parent else None),
         waterfall=waterfall_of(file, told),
         map=shown,
         before=law_map(project, bench, parent, shown.by) if parent else None,
@@ -143,10 +146,19 @@ def chips_of(project: Project) -> list[LawChip]:
 
 def steps_since(file: LawFile, before: LawFile | None) -> str:
     """Say by which steps a law came from another; by its last one where it didn't."""
+    return " ".join(_since(file, before)) or title_of(file)
+
+
+def _since(file: LawFile, before: LawFile | None) -> list[str]:
     steps = [entry.step for entry in file.history]
-    first = [entry.step for entry in before.history] if before else []
-    own = steps[len(first) :] if first and steps[: len(first)] == first else steps[-1:]
-    return " ".join(own) or title_of(file)
+    # a law that nothing was done to yet has no history, and is the first step of another's
+    first = [entry.step for entry in before.history] or steps[:1] if before else []
+    return steps[len(first) :] if first and steps[: len(first)] == first else steps[-1:]
+
+
+def _vain(file: LawFile, before: LawFile | None) -> str:
+    """Say that what was added to the law before doesn't help; empty where it does."""
+    return vain_words(file.history, len(_since(file, before)))
 
 
 def waterfall_of(file: LawFile, told: Told | None) -> Picture:

@@ -65,7 +65,13 @@ class Project:
         return session.model_copy(update={"campaign": self.campaign})
 
     def laws(self) -> list[str]:
-        """Give the names of the laws, in the order in which they were made."""
+        """Give the names of the laws, in the order in which they were made; without those that are being made.
+
+        A ladder keeps its best law so far under its name: that is another one after each rung.
+        """
+        return [name for name in self._written() if name not in self._reserved]
+
+    def _written(self) -> list[str]:
         names = [path.stem for path in self.folder.glob("law*.json") if LAW_NAME.fullmatch(path.stem)]
         return sorted(names, key=lambda name: int(name[3:]))
 
@@ -73,8 +79,10 @@ class Project:
         """Give the file of a law.
 
         Raises:
-            UserError: there is no such law in the folder.
+            UserError: there is no such law in the folder, or it is being made.
         """
+        if name in self._reserved:
+            raise UserError(f"{name}: is being made; it can be opened when that is done")
         return self._inside(f"{name}.json") if LAW_NAME.fullmatch(name) else self._missing(name)
 
     def file_of(self, name: str) -> Path:
@@ -105,7 +113,7 @@ class Project:
     @property
     def upcoming(self) -> str:
         """The name that the next law will have, where nobody else makes one before."""
-        return f"law{max((int(name[3:]) for name in (*self.laws(), *self._reserved)), default=0) + 1}"
+        return f"law{max((int(name[3:]) for name in (*self._written(), *self._reserved)), default=0) + 1}"
 
     def reserve(self) -> str:
         """Give the name of the next law; nobody else is given it until it is released."""

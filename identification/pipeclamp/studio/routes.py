@@ -27,6 +27,7 @@ from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
 from pipeclamp.studio.told import Told, ToldCandidate
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
@@ -194,9 +195,9 @@ class Pages:
         elif wanted == "refit":
             task, law = commands.refit_task(project, _text(asked, "law"))
         elif wanted == "diagnose":
-            task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
+            task = commands.diagnose_task(project, _text(asked, "law"), _limits(asked))
         elif wanted == "climb":
-            task, law = commands.climb_task(project, _text(asked, "law"), str(asked.get("limits", "")))
+            task, law = commands.climb_task(project, _text(asked, "law"), _limits(asked))
         elif wanted == "discover":
             task, law = commands.discover_task(project, _text(asked, "law"))
         elif wanted == "build":
@@ -311,6 +312,14 @@ def _text(asked: Mapping[str, Any], name: str) -> str:
     if not isinstance(value, str):
         raise UserError(f"{name}: got {value!r}; expected a text")
     return value
+
+
+def _limits(asked: Mapping[str, Any]) -> str:
+    """Give what the rig can do as it was stated, which may be nothing; it is refused before a job begins."""
+    limits = str(asked.get("limits", ""))
+    if limits:
+        parse_limits(limits)
+    return limits
 
 
 def _is_number(value: object) -> bool:

@@ -64,7 +64,11 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
     from pipeclamp_identification.workflow.so_far import SoFar
 
     tests, file = _tests(tell, campaign), read_law(Path(of))
-    so_far = SoFar(tell, keep=lambda best: write_whole(Path(law), law_text(best)))
+
+    def doing(words: str) -> None:
+        tell("\n".join(filter(None, (so_far.steps, words))))
+
+    so_far = SoFar(doing, keep=lambda best: write_whole(Path(law), law_text(best)))
     settled = add_until_settled(
         file, tests, command=command, limits=_reach(limits), jobs=spare_cores(), progress=so_far.doing,
         climbed=so_far.come,

@@ -18,6 +18,7 @@ from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.diagnosis.evidence import BY_CHANCE
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import HARMONICS, Loops
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate
 from pipeclamp_models.law.law import Law
 
@@ -45,7 +46,7 @@ class BeyondHarmonics:
         """Say how large it is, where it sits, and what makes such."""
         where = f", most of it {', '.join(self.where)}" if self.where else ""
         return (
-            f"beyond harmonic {HARMONICS} the law errs by {self.rms:.3g} N that repeat with each cycle "
+            f"beyond harmonic {HARMONICS} the law errs by {newtons(self.rms)} that repeat with each cycle "
             f"({self.share:.2g} times the force noise){where}: the loop's steps or corners aren't the law's, as where "
             "friction turns over at a reversal, or a stop is met"
         )

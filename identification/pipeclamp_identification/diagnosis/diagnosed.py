@@ -20,6 +20,7 @@ from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -167,7 +168,7 @@ class Diagnosed:
             return leftover.lines
         law = f"with {' and '.join(described.effects)}" if described.effects else "as it is"
         lack = described.lack
-        left = f"the law {law} leaves {lack.rms:.3g} N that follow the conditions, {lack.share:.2g} times the noise"
+        left = f"the law {law} leaves {newtons(lack.rms)} that follow the conditions, {lack.share:.2g} times the noise"
         return (left, *leftover.words, *leftover.lines)
 
     def rung(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.fitting.observations import mean_squares_of
+from pipeclamp_identification.signals.digits import newtons
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class OpenMeans:
         """Say what no law foretells."""
         return (
             f"in {self.runs} of {self.of_runs} loops an element of the law never slips, and leaves their mean force "
-            f"open: {self.rms:.3g} N rms ({self.share:.2g} times the force noise) that nothing foretells"
+            f"open: {newtons(self.rms)} rms ({self.share:.2g} times the force noise) that nothing foretells"
         )
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import condition_signal
@@ -35,7 +36,7 @@ def telling_test(one: Law, other: Law, loops: Loops) -> str:
     A, f, T = (float(motion.slow[name][best, 0]) for name in ("A", "f", "T"))
     at = f"A = {A:.3g} mm, f = {f:.3g} Hz" + (f", T = {T - CELSIUS:.3g} °C" if "T" not in motion.assumed else "")
     times = f", {size[best] / scatter:.2g} times the scatter" if scatter > 0 else ""
-    return f"{at}: there they differ by {size[best]:.3g} N{times}"
+    return f"{at}: there they differ by {newtons(size[best])}{times}"
 
 
 def _tests(loops: Loops) -> Motion:

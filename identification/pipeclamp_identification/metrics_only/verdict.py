@@ -202,7 +202,8 @@ def diagnose_metrics(
         for several, count in ((candidates, tried), (together, tried + len(together)))
         for judged in several
     }
-    hidden = {entry.name: entry.hidden for entry in looks if entry.hidden}
+    beside = {name for judged in together for name in judged.effects}  # they were tried with what they scale
+    hidden = {entry.name: entry.hidden for entry in looks if entry.hidden and entry.name not in beside}
     hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
     lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
     heldout = LeftOut(observations, tell)

@@ -11,3 +11,24 @@ def plain(value: float, digits: int) -> str:
 def one_digit(value: float) -> str:
     """Give a standard error."""
     return plain(value, 1)
+
+
+def newtons(force: float) -> str:
+    """Give a force of a sentence: three digits, and its unit.
+
+    >>> newtons(2861.4)
+    '2860 N'
+    """
+    return f"{plain(force, 3)} N"
+
+
+def told_apart(*shares: float) -> tuple[str, ...]:
+    """Give shares in percent, in tenths or hundredths only where they would look alike without.
+
+    >>> told_apart(0.9652, 0.9746)
+    ('96.5%', '97.5%')
+    >>> told_apart(0.2, 0.91)
+    ('20%', '91%')
+    """
+    shown = [tuple(f"{share:.{places}%}" for share in shares) for places in range(3)]
+    return next((each for each in shown if len(set(each)) == len(shares)), shown[0])

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 
@@ -132,7 +133,7 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
     found = []
     if stiffness < SOFTEST and stiffness * amplitude < WEAKEST:
         found.append(
-            f"the force is likely in kN, not N (factor 1000): {stiffness * amplitude:.3g} N of amplitude, "
+            f"the force is likely in kN, not N (factor 1000): {newtons(stiffness * amplitude)} of amplitude, "
             f"{stiffness:.3g} N/mm of stiffness"
         )
     if stiffness > STIFFEST or amplitude < SMALLEST:

@@ -17,6 +17,8 @@ from pipeclamp_models.law.range import rounded
 
 STILL_AS_GOOD = 1.025
 """An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
+ADDED = "+ "
+"""Before an effect's name in a law's history, where it was added."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def add_effect(
     """
     old = structure_of(file).with_declared(declared)
     new = with_effect(replace(old, effects=tuple(name for name in old.effects if name not in instead)), effect)
-    step = f"{' and '.join(instead)} -> {effect}" if instead else f"+ {effect}"
+    step = f"{' and '.join(instead)} -> {effect}" if instead else f"{ADDED}{effect}"
     return _changed(file, new, step, tests, command=command, date=date, kind=kind, start=start, progress=progress)
 
 

@@ -52,6 +52,11 @@ class SoFar:
         """The law with the least error on left-out conditions; None where no rung was climbed."""
         return min(self._laws, key=_error)[0] if self._laws else None
 
+    @property
+    def steps(self) -> str:
+        """What was done on the way to the last law; empty where no rung was climbed."""
+        return " ".join(rung.change.effect for rung in self._laws[-1][1]) if self._laws else ""
+
     def words(self) -> str:
         """Say what the best law did to the error on left-out conditions."""
         return _fall(min(self._laws, key=_error)[1])

@@ -32,6 +32,12 @@ def test_what_steadies_a_law_and_explains_nothing_is_told_as_such():
     assert "leaves 2.1 N that follow the conditions with it, and 2.1 N without it" in words
 
 
+def test_forces_are_told_without_powers_of_ten():
+    """Of a measured friction device a law left "2.86e+03 N"."""
+    large = judged("play", "gap", left_N=2861.4, squares=(10.0, 10.0))
+    assert "leave 2860 N (" in pair_words(large, LAW, LAW, PROBLEM)[0]
+
+
 def test_an_effect_of_no_help_is_not_called_the_one_that_takes_most():
     words = immaterial_words(judged("play", squares=(50.0, 49.9)), LAW, PROBLEM)
     assert "play" not in words

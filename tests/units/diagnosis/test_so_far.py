@@ -14,8 +14,10 @@ def test_each_rung_is_told_once_and_the_best_law_is_kept():
     kept, said = [], []
     so_far = SoFar(lambda what: None, kept.append, said.append)
     memory, delay, play = rung("+ memory", 0.10, 0.05), rung("+ delay", 0.05, 0.04), rung("+ play", 0.10, 0.06)
+    assert so_far.steps == ""
     so_far.come("memory", (memory,))
     so_far.come("memory, delay", (memory, delay))
+    assert so_far.steps == "+ memory + delay"
     so_far.come("play", (play,))
     assert kept == ["memory", "memory, delay"]
     assert so_far.best == "memory, delay"

@@ -69,6 +69,7 @@ def test_an_effect_is_named_with_the_one_that_scales_only_it(climbed):
     assert pair.effect == "relaxation + relaxation_temperature"
     assert set(pair.parameters) == set(RUBBER)
     assert pair.heldout_nrmse < 0.1 < answer.heldout_nrmse.law
+    assert not set(TOGETHER) & set(answer.not_visible), "what was found isn't told as neither found nor refuted"
     alone = [one.heldout_nrmse for one in answer.candidates]
     assert all(map(math.isfinite, alone)), "also of laws that make energy where conditions are left out"
     assert min(alone) > 10 * pair.heldout_nrmse, "by itself no effect comes near"

@@ -27,6 +27,12 @@ def climbed():
     return tests, base, added, removed
 
 
+def test_a_law_of_one_step_has_its_picture_too(climbed):
+    tests, base, *_ = climbed
+    (picture,) = comparison_page([(base, tests.compare(base))])[0].figures
+    assert [list(bars.y) for bars in picture.data] == [[pytest.approx(100 * base.fit.nrmse)]]
+
+
 def test_each_stage_errs_as_it_did(climbed):
     tests, base, added, removed = climbed
     read_again = parse_law(law_text(removed), "law")

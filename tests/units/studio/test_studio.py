@@ -89,6 +89,22 @@ def test_most_of_the_force_may_be_a_constant_load(campaign, tmp_path):
     assert "Most of the force is a constant load; of the rms of the rest the error is" in page
 
 
+def test_an_addition_that_does_not_help_is_told_with_the_way_back(campaign, tmp_path):
+    project, law = Project(str(campaign), tmp_path / "laws"), pc.identify(campaign)
+    law.save(project.folder / "law1.json")
+    added = pc.add(law, "damping_temperature", campaign).file
+    for after, said in ((0.01, False), (0.09, True)):
+        first, last = added.history
+        history = (
+            first.model_copy(update={"refitted_nrmse": 0.06}), last.model_copy(update={"refitted_nrmse": after})
+        )  # fmt: skip
+        (project.folder / "law2.json").write_text(law_text(added.model_copy(update={"history": history})))
+        page = campaign_page(Opened("virtual", project, read_bench(str(campaign))), "law2", by="", beside="")
+        words = "rises with damping_temperature (6.00% -&gt; 9.00%); keep the law without it."
+        assert (words in page) is said
+        assert ('<a class="button primary" href="/c/virtual/laws/law1">Step back to law1' in page) is said
+
+
 def test_a_run_errs_as_compare_says(studio, campaign, home):
     answer = pc.compare(home / "law1.json", campaign).to_dict()
     for expected in answer["runs"]:
@@ -192,7 +208,7 @@ def test_what_is_missing_is_added_until_nothing_helps(hiding, tmp_path):
     assert law_of(climbed).values == law_of(same.file).values
     told = Told.model_validate_json((tmp_path / "law2.told.json").read_text())
     assert (told.verdict, told.law_command) == ("complete", stamp(climbed))
-    assert any("on left-out conditions; " in words for words in said)
+    assert any(words.startswith("+ asymmetry\n") and "on left-out conditions; " in words for words in said)
 
 
 def test_a_ladder_that_adds_nothing_leaves_the_diagnosis_of_the_law(campaign, tmp_path):
@@ -212,6 +228,9 @@ def test_a_ladder_that_is_stopped_leaves_the_law_so_far(hiding, tmp_path):
         job = studio.json("/c/hiding/jobs", {"kind": "climb", "law": "law1"})
         while not (tmp_path / "home" / "law2.json").exists() and studio.desk.jobs.running("hiding"):
             time.sleep(0.02)
+        assert b"/laws/law2" not in studio.ask("/c/hiding/")[2], "it is another law after each rung"
+        status, _, refused = studio.ask("/c/hiding/laws/law2")
+        assert (status, b"law2: is being made" in refused) == (400, True)
         studio.json(f"/c/hiding/jobs/{job['number']}/cancel", {})
         ended = studio.done(job)
         assert (ended["state"], ended["result"]) == ("cancelled", {"law": "law2"})

@@ -13,8 +13,10 @@ export async function ask(path, body) {
 const place = () => document.getElementById("jobs");
 let said = null; // stays beside the jobs until it is closed, or something is started
 
+// A box that stays isn't taken out and put back: a click whose button is down wouldn't arrive.
 function show(boxes) {
-  place().replaceChildren(...(said ? [said] : []), ...boxes);
+  const wanted = [...(said ? [said] : []), ...boxes], there = place().children;
+  if (wanted.length !== there.length || wanted.some((box, index) => box !== there[index])) place().replaceChildren(...wanted);
 }
 
 function withdraw() {
@@ -51,8 +53,16 @@ export function textOf(tag, text, name = "") {
   return made;
 }
 
+const boxes = new Map(); // of jobs, by number: a job tells many times a second what it does
+
 function drawn(job, key) {
+  const known = boxes.get(job.number);
+  if (known?.classList.contains(job.state)) {
+    known.querySelector(".says").textContent = job.says;
+    return known;
+  }
   const box = document.createElement("div");
+  boxes.set(job.number, box);
   box.className = `job ${job.state}`;
   box.append(textOf("b", job.title));
   if (job.state === "running") {

@@ -7,8 +7,13 @@ export function drawRun(run, axis) {
   const picture = runPicture({ ...run, words: "" }, names, [...names.keys()], axis);
   delete picture.layout.title;
   Object.assign(picture.layout, { height: undefined, showlegend: false, margin: { l: 64, r: 10, t: 8, b: 44 } });
+  if (!names.length) { // no law, no difference: the loop has all the room
+    picture.layout.yaxis.domain = [0, 1];
+    picture.layout.xaxis.anchor = "y";
+    delete picture.layout.yaxis2;
+  }
   // margins that fit themselves are laid out several times
-  for (const axis of ["xaxis", "yaxis", "yaxis2"]) picture.layout[axis].automargin = false;
+  for (const axis of ["xaxis", "yaxis", "yaxis2"]) if (picture.layout[axis]) picture.layout[axis].automargin = false;
   drawIn(document.getElementById("loop"), picture);
   document.getElementById("loop-words").textContent = `Run ${run.run}: the measured loop${names.length ? ` and that of ${names.join(", ")}; below it measured less law` : ""}.`;
   const number = ++drawn; // harmonics come a frame later: the loop first

@@ -1,6 +1,6 @@
 /* global drawIn, inLook, lawLine, onLookChanged */
 // A campaign's page: the map, the run that is looked at, candidates, sliders, jobs.
-import { ask, complain, follow, start, textOf } from "./ask.js";
+import { ask, complain, follow, start, tell, textOf } from "./ask.js";
 import { drawRun } from "./draw.js";
 
 const { key, law, worst } = document.body.dataset;
@@ -14,7 +14,7 @@ let moved = null; // what the law gives with parameters moved
 
 const chosen = (name) => document.querySelector(`input[name="${name}"]:checked`)?.value || "";
 
-// The run stays in the address, so that a reload and another law show the same one.
+// The run that was picked stays in the address, so that a reload and another law show the same one.
 function remember(run) {
   const address = new URL(location.href);
   address.searchParams.delete("token");
@@ -40,7 +40,7 @@ function fetchRun(run) {
 }
 
 let asked = 0;
-async function look(run, scroll = false) {
+async function look(run, scroll = false, picked = true) {
   const number = ++asked;
   try {
     const found = await fetchRun(run);
@@ -50,7 +50,7 @@ async function look(run, scroll = false) {
     for (const slider of sliders) toFit(slider);
     draw();
     mark(run);
-    remember(run);
+    if (picked) remember(run);
     if (scroll && innerWidth <= 900) document.getElementById("run-title").scrollIntoView({ block: "start", behavior: "smooth" });
   } catch (error) {
     complain(error.message);
@@ -167,7 +167,8 @@ async function move() {
   if (again) { again = false; move(); }
 }
 
-// A law that has just been made is opened; what else has ended is on this page when it is loaded anew.
+// A law that was made from this tab is opened; what else has ended is on this page when it is loaded anew. Another
+// tab says what is there, and stays as it is.
 function ended(job) {
   if (job.state !== "done" && !job.result.law) return;
   const address = new URL(location.href);
@@ -175,11 +176,19 @@ function ended(job) {
   else if (job.law && job.law !== law) return;
   address.hash = { build: "fmu", report: "fmu", respond: "on-pipe" }[job.kind] || "";
   address.searchParams.delete("token");
+  if (!sessionStorage.getItem(ours(job))) {
+    tell(`${job.title}: ${job.says}.`, "Open it", address);
+    return;
+  }
   if (address.hash || address.href === location.href) { history.replaceState(null, "", address); location.reload(); }
   else location.assign(address);
 }
 
-const begin = (body) => start(`${base}/jobs`, body, encodeURIComponent(key), ended);
+const ours = (job) => `pipeclamp ${key} ${job.number}`;
+async function begin(body) {
+  const job = await start(`${base}/jobs`, body, encodeURIComponent(key), ended);
+  if (job) sessionStorage.setItem(ours(job), "begun here");
+}
 
 document.addEventListener("click", (event) => {
   const starter = event.target.closest("[data-start]");
@@ -240,8 +249,11 @@ for (const cell of cells.filter((each) => each.dataset.before)) {
 }
 arrows();
 const wanted = new URLSearchParams(location.search).get("run");
-if (runs.length) look(runs.includes(wanted) ? wanted : worst || runs[0]);
+if (runs.includes(wanted)) look(wanted);
+else if (runs.length) look(worst || runs[0], false, false);
 for (const place of document.querySelectorAll(".drawn")) {
   onLookChanged(() => drawIn(place, JSON.parse(place.dataset.specification)));
 }
 follow(encodeURIComponent(key), ended);
+// What another tab has begun meanwhile is shown to whoever comes back to this one.
+document.addEventListener("visibilitychange", () => { if (!document.hidden) follow(encodeURIComponent(key), ended); });

@@ -21,6 +21,7 @@ from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
 from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate
+from pipeclamp_identification.signals.digits import told_apart
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import Kind
 
@@ -124,9 +125,10 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
     both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
     second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
+    alone, together = told_apart(explained_share(named, scales.law), explained_share(pair, scales.law))
     reason = (
-        f"two effects are missing: {named.effects[0]} first, which takes {explained_share(named, scales.law):.0%} by "
-        f"itself; with {second} beside it {explained_share(pair, scales.law):.0%} is explained"
+        f"two effects are missing: {named.effects[0]} first, which takes {alone} by itself; with {second} beside it "
+        f"{together} is explained"
     )
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 

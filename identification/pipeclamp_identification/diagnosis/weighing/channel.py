@@ -16,6 +16,7 @@ from pipeclamp_identification.diagnosis.thresholds import UNEXPLAINED_SHARE
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_identification.loops.loops import on_grid
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.base.arrays import Array
 
 LEVELS_SHARE = np.arange(10) / 10
@@ -48,7 +49,7 @@ class BentChannel:
     def words(self) -> str:
         """Say what would explain it, and what to look at."""
         share = f"{abs(self.share):.2%} {'more' if self.share > 0 else 'less'}"
-        bent = f"{share} of what lies beyond {self.level:.3g} N, {WHERE[self.side]},"
+        bent = f"{share} of what lies beyond {newtons(self.level)}, {WHERE[self.side]},"
         uneven = f"{share} {WHERE[self.side]} than in the other"
         return (
             f"a force channel that gives {bent if self.level else uneven} takes {self.takes:.0%} of what is missing: "

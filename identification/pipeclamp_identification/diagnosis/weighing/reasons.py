@@ -12,6 +12,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     REAL_LACK_CHANCE,
 )
 from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, rests_on
+from pipeclamp_identification.signals.digits import newtons
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""
@@ -45,17 +46,17 @@ def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: J
     if best is not None:
         asked = f"the best of the catalogue, {best.effects[0]}, takes {explained_share(best, law):.0%} of it"
     return (
-        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
+        f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
         "so it passes for the form of the effects that the law has; on left-out conditions the law errs by "
-        f"{elsewhere.rms:.3g} N beyond scatter"
+        f"{newtons(elsewhere.rms)} beyond scatter"
     )
 
 
 def foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
     """Say that what is left is too much to pass for form, by the error on left-out conditions."""
     return (
-        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
-        f"catalogue takes half of it; on left-out conditions the law errs by {elsewhere.rms:.3g} N beyond scatter "
+        f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
+        f"catalogue takes half of it; on left-out conditions the law errs by {newtons(elsewhere.rms)} beyond scatter "
         f"({elsewhere.share:.2g} times the force noise): more than passes for form"
     )
 
@@ -64,7 +65,7 @@ def between_words(worst: LeftOutLevel) -> str:
     """Say that a law fits a level only when it is fitted to it, and what would tell more."""
     return (
         f"the law fits the tests at {worst.condition} = {worst.level} {worst.unit}, but fitted to the others alone it "
-        f"foretells them {worst.rms:.3g} N ({worst.share:.2g} times the force noise) worse: it isn't to be trusted "
+        f"foretells them {newtons(worst.rms)} ({worst.share:.2g} times the force noise) worse: it isn't to be trusted "
         f"between the levels tested; test at values of {worst.condition} in between"
     )
 
@@ -72,7 +73,7 @@ def between_words(worst: LeftOutLevel) -> str:
 def hidden_words(lack: LackOfFit, problem: Problem) -> str:
     """Say that scatter may hide too much for what is left to pass for form."""
     return (
-        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
+        f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
         f"catalogue takes half of it; scatter from run to run may hide that it is up to {lack.most_share:.2g} times "
         f"the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them three "
         "times each"
@@ -87,7 +88,7 @@ def pair_words(pair: Judged | None, best: Judged, law: Judged, problem: Problem)
     if takes < HALF_TAKEN_SHARE:
         more = takes > explained_share(best, law)
         return (f"{names} together would take {takes:.0%} of it, but {_why_not(pair, law, problem)}",) if more else ()
-    left = f"{pair.lack.rms:.3g} N ({pair.lack.share:.2g} times the force noise)"
+    left = f"{newtons(pair.lack.rms)} ({pair.lack.share:.2g} times the force noise)"
     return (f"{names} together would take {takes:.0%} of it, but leave {left}: too much for them to be named",)
 
 
@@ -116,8 +117,9 @@ def _why_not(best: Judged, law: Judged, problem: Problem) -> str:
         why = "that is too little"
     elif best.akaike >= law.akaike:
         why = (
-            f"fitted to all tests the law leaves {best.lack.rms:.3g} N that follow the conditions with it, and "
-            f"{law.lack.rms:.3g} N without it: it steadies what is foretold there, and explains nothing that is missing"
+            f"fitted to all tests the law leaves {newtons(best.lack.rms)} that follow the conditions with it, and "
+            f"{newtons(law.lack.rms)} without it: it steadies what is foretold there, and explains nothing that is "
+            "missing"
         )
     elif not takes_part(best, law, problem):
         why = "some conditions gain, others lose"
