@@ -61,3 +61,15 @@ def test_what_scatter_may_hide_is_no_share_that_follows_the_conditions(share, wo
     """A complete law's reason had said that 99.9 % of the force noise follow the conditions, "the rest is noise"."""
     problem = SimpleNamespace(noise=SimpleNamespace(stiffness_scatter=0.002, damping_scatter=0.0))
     assert scatter_words(SimpleNamespace(share=share, p_value=0.5), problem).startswith(words)
+
+
+def test_what_scatter_makes_is_no_lack_of_form_and_the_rest_is():
+    """A residual of the size that scatter may have, but of another form, had counted as scatter: weights ran away."""
+    elastic = np.array([[0.0, 300.0, 0.0, 30.0, 0.0], [0.0, 100.0, 0.0, -5.0, 0.0]])
+    damping = np.array([[0.0, 0.0, 80.0, 0.0, 9.0], [0.0, 0.0, 0.0, 0.0, 0.0]])
+    noise = NoiseModel(np.full((2, 5), 0.01), elastic, damping, 0.02, 0.02)
+    form = np.array([[1.0, -0.3, 0.0, 3.0, 0.0], [0.5, 0.0, 2.0, 0.0, -1.0]])
+    scattered = 0.015 * elastic - 0.01 * damping
+    assert noise.no_scatter(scattered) == pytest.approx(0.0, abs=1e-12)
+    assert noise.no_scatter(form + scattered) == pytest.approx(form)
+    assert np.sum(form**2 - noise.total_variance()) < 0 < np.sum(noise.no_scatter(form) ** 2 - noise.variance)

@@ -296,6 +296,25 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkey
     assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
 
 
+@pytest.mark.parametrize(
+    ("akaike", "parameters", "kind"), [(9.0, 2, "part"), (11.0, 2, "part"), (40.0, 2, "cause"), (9.0, 3, "cause")]
+)
+def test_no_pair_is_the_cause_where_one_that_acts_alike_fits_as_well(akaike, parameters, kind):
+    """Of friction by LuGre behind a spring `bouc_wen` with `slip_speed` had been the cause."""
+
+    def pair(first, akaike, values, *reservations):
+        law = SimpleNamespace(values=dict.fromkeys(range(values), 1.0))
+        return SimpleNamespace(
+            effects=(first, "slip_speed"), akaike=akaike, reservations=reservations, result=SimpleNamespace(law=law)
+        )
+
+    found = scales.Weighed("missing", ("bouc_wen",), "cause", None, pair("bouc_wen", 10.0, 2), ("two are missing",))
+    asked = causes.unless_another_does(found, [pair("slip_spread", akaike, parameters, "chi ran into its bound")])
+    assert asked.kind == kind
+    told = "slip_spread and slip_speed together fit as well, though chi ran into its bound"
+    assert (told in asked.reasons) == (kind == "part")
+
+
 @pytest.mark.parametrize(("akaike", "told"), [(96.0, True), (104.0, False)])
 def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(akaike, told, monkeypatch):
     """It is the cause's name that stays open, though no rival comes near: a spread of relaxation times, or one."""

@@ -141,9 +141,13 @@ def unless_another_does(found: Weighed, like: Sequence[Judged]) -> Weighed:
     pair = found.pair
     if found.kind != "cause" or pair is None:
         return found
-    size = len(pair.result.law.values)
-    alike = [each for each in like if each.reservations and len(each.result.law.values) <= size]
-    as_well = [each for each in alike if each.akaike - pair.akaike < RIVAL_LIKELIHOOD]
+    as_well = [
+        each
+        for each in like
+        if each.reservations
+        and each.akaike - pair.akaike < RIVAL_LIKELIHOOD
+        and len(each.result.law.values) <= len(pair.result.law.values)
+    ]
     if not as_well:
         return found
     words = f"{' and '.join(as_well[0].effects)} together fit as well, though {as_well[0].reservations[0]}"
