@@ -356,9 +356,9 @@ def _fault(
     elif kind == "zero_drift":
         stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
         words = (
-            f"the zero of the {channel} channel drifts: {shown} {where}; {stays}, so it is not the clamp; the drift "
-            "is taken off, and the mean force of these records counts for nothing, as nobody knows where it stood; "
-            "to do: let the amplifier warm up, and set the zero before each run"
+            f"the zero of the {channel} channel drifts: {shown} {where}; {stays}, so it is no spring or damper of the "
+            "clamp's; the drift is taken off, and the mean force of these records counts for nothing, as nobody knows "
+            "where it stood; to do: let the amplifier warm up and the specimen settle, and set the zero before each run"
         )
     else:
         told = (

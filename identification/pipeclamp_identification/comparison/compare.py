@@ -16,6 +16,7 @@ from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.concentration import (
     cycles_sentence,
     drift_sentence,
+    farthest_off,
     harmonic_sentence,
     hidden_sentence,
     region,
@@ -93,6 +94,11 @@ class Comparison:
         return tuple(condition for condition in self.conditions if condition.varies)
 
     @property
+    def farthest_off(self) -> str:
+        """At which conditions the law is farthest off for the force there, in words; empty where it is alike."""
+        return farthest_off(self.sums, self.varied, overall_nrmse(self.runs))
+
+    @property
     def single_cycles(self) -> int:
         """Number of runs with a single cycle, which can't show scatter from cycle to cycle."""
         return sum(not run.scatter_known for run in self.sums)
@@ -158,12 +164,17 @@ def where_words(comparison: Comparison) -> list[str]:
     whole = breakdown.along_loop(sums)
     sentences = [
         region_sentence(region(sums, comparison.varied), whole),
+        _sentence(comparison.farthest_off),
         hidden_sentence(whole),
         harmonic_sentence(breakdown.by_harmonic(sums)),
         cycles_sentence(sums),
         drift_sentence(breakdown.drift(sums), comparison.nrmse),
     ]
     return [*filter(None, sentences), *free]
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}." if words else ""
 
 
 def celsius(loops: Loops, row: int) -> float | None:

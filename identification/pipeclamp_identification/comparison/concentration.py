@@ -15,6 +15,7 @@ from pipeclamp_identification.comparison.breakdown import (
     Drift,
     along_cycles,
     along_loop,
+    by_condition,
     cycle_edges,
     excess_table,
     phase_edges,
@@ -50,6 +51,8 @@ HARMONICS_SHOWN = 0.8
 """Harmonics are named until they hold this share, or so many are."""
 WORTH_NAMING = 0.05
 """A harmonic with less of the error than this isn't named."""
+FARTHER_OFF = 2.0
+"""Times the error of all runs, and times their own scatter, from which on the worst level of a condition is named."""
 DRIFT_STANDARD_ERRORS = 3.0
 """Standard errors that make a drift."""
 DRIFT_SHARE = 0.01
@@ -127,6 +130,32 @@ def densest(excess: Array, even: Array, factors: Sequence[Factor]) -> Region | N
 def is_scatter(parts: Breakdown) -> bool:
     """Tell whether the error is scatter, or nothing: then no place of it stands out."""
     return parts.squared_error <= 0.0 or parts.excess <= MOSTLY_SCATTER * parts.squared_error
+
+
+def farthest_off(sums: Sequence[RunSums], conditions: Sequence[Condition], nrmse: float) -> str:
+    """Say at which level of a condition the law is farthest off, as a share of the force there; empty where none is.
+
+    In the error of all runs, and in units of one force noise, small forces count little.
+
+    Args:
+        sums: the squared error of each run.
+        conditions: what may be named.
+        nrmse: error of all runs as a share of the force.
+    """
+    levels = [
+        (part, f"{condition.name} = {condition.words(level)}" if condition.unit else condition.words(level))
+        for condition in conditions
+        if condition.varies
+        for part, level in zip(by_condition(sums, condition).parts, condition.levels, strict=True)
+    ]
+    known = [(part.nrmse, part, words) for part, words in levels if part.nrmse is not None]
+    worst, part, words = max(known, key=lambda entry: entry[0], default=(0.0, None, ""))
+    scatter = None if part is None else part.noise_nrmse
+    if part is None or worst < FARTHER_OFF * max(nrmse, scatter or 0.0):
+        return ""
+    runs = f"{part.runs} run{'s' if part.runs > 1 else ''}"
+    of_it = "" if scatter is None else f"; scatter makes {scatter:.2%}"
+    return f"at {words} the law errs by {worst:.2%} of the force there ({runs}){of_it}"
 
 
 def _inside(factors: Sequence[Factor], excess: Array, force: Array) -> tuple[float, float]:

@@ -145,8 +145,11 @@ class Diagnosed:
         return HEADLINES[self.verdict, self.kind].format(names)
 
     def words(self) -> tuple[str, ...]:
-        """Say why, and what is left over."""
-        return (*self.diagnosis.reasons, *self.untested(), *self.cautions(), *self.left_over())
+        """Say why, what is left over, and where a law that stays as it is is farthest off for the force there."""
+        stays = self.verdict in ("complete", "unknown") and self.comparison.farthest_off
+        return (
+            *self.diagnosis.reasons, *self.untested(), *self.cautions(), *self.left_over(), *([stays] if stays else []),
+        )  # fmt: skip
 
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""

@@ -423,7 +423,7 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (level, width)),
     ]
     if signal != "T":
-        forms.append(("growing", f"log(1 + abs({plain} / l_x))", "changes with a power of, beyond a level,", (level,)))
+        forms.append(("growing", f"log(1 + abs({plain} / l_x))", "changes beyond a level with a power of", (level,)))
     if signal in ("A", "f"):
         peak = f"2 * {plain} * l_x / ({plain}**2 + l_x**2)"
         forms.append(("peak", peak, "has a peak, or a trough, at a level of", (level,)))

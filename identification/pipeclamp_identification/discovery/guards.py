@@ -268,7 +268,7 @@ def passive(file: LawFile, before: LawFile) -> Guard:
     if (words := _creates_energy(wide)) and not _creates_energy(_widened(before)):
         return Guard("passive", False, words)
     if words:
-        return Guard("passive", True, "the law without it could create energy already")
+        return Guard("passive", True, "the law could create energy without it, too: `build-fmu` takes neither")
     proof = passivity(clamp_model(wide), wide).words()
     return Guard("passive", True, f"up to {BEYOND_A:g} A and {BEYOND_F:g} f it {proof}")
 

@@ -9,6 +9,7 @@ from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.concentration import (
     cycles_sentence,
     drift_sentence,
+    farthest_off,
     harmonic_sentence,
     region,
     region_sentence,
@@ -148,6 +149,23 @@ def test_one_sentence_says_where_it_sits(sums_of):
         "sits just after the reversals, on unloading, at A from 0.8 mm up; spread evenly, it would be 4%."
     )
     assert found.share > 0.9
+
+
+def test_where_the_law_is_farthest_off_for_the_force_there_is_told(sums_of):
+    """A law with a clearance had no force at all in the smallest loops, and the error of all runs said 8 %."""
+    error = {0.2: 30.0, 0.4: 1.0, 0.8: 1.0, 1.0: 1.0}
+    sums, conditions = sums_of(
+        *(
+            ({"displacement": (0.0, A)}, {}, lambda phase, cycle, off=off: off * np.cos(phase))
+            for A, off in error.items()
+        )
+    )
+    (at,) = [run for run in sums if run.squared_error == max(one.squared_error for one in sums)]
+    worst = float(np.sqrt(at.squared_error / at.squared_force))
+    told = farthest_off(sums, conditions, worst / 3)
+    assert told.startswith(f"at A = 0.2 mm the law errs by {worst:.2%} of the force there (1 run)")
+    assert farthest_off(sums, conditions, worst / 1.9) == ""
+    assert farthest_off(sums, [], 0.0) == ""
 
 
 def test_an_error_that_is_everywhere_alike_has_no_place(sums_of):
