@@ -170,9 +170,11 @@ def between(equation: Equation, before: Solution, after: Solution, parameter: fl
         largest = float(np.abs([one.unknowns, other.unknowns]).max())
         near = BESIDE * float(np.abs(chord).max()) + SAME * largest
         guess = one.unknowns + (parameter - one.parameter) / span * chord
-        found = _solved(equation, guess, parameter, largest, Steps.tolerance)
-        if found is not None and np.abs(found - guess).max() <= near:
-            return solve(equation, found, parameter, largest)
+        # Where forces step, corrections can run away from the line and come home from an end of it.
+        for start in (guess, one.unknowns, other.unknowns):
+            found = _solved(equation, start, parameter, largest, Steps.tolerance)
+            if found is not None and np.abs(found - guess).max() <= near:
+                return solve(equation, found, parameter, largest)
         scales = np.append(np.full(chord.size, largest), abs(span))
         direction = np.append(chord, span) / scales
         length = float(np.linalg.norm(direction))

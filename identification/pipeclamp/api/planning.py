@@ -102,7 +102,7 @@ def plan_campaign(
     Raises:
         UserError: there is no such law, nothing can be driven within the limits, or nothing fits into the hours.
 
-    >>> plan_campaign(hours=0.2, limits="A=0.2..1,f=1..6,T=20..20")
+    >>> plan_campaign(hours=0.15, limits="A=0.2..1,f=1..6,T=20..20")
     <campaign of 11 runs in 0.107 h>
     """
     reach = parse_limits(limits) if limits else None
