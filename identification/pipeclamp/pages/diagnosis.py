@@ -9,8 +9,8 @@ from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
 from pipeclamp.pages.sketch import sketch
 from pipeclamp.pages.waterfall import ESTIMATED, Rung
 from pipeclamp.show.diagnosis import LEAST_HELP, against, before_physics, candidate_table, helpful
-from pipeclamp.show.sentences import sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
@@ -28,7 +28,8 @@ SKETCHED = 4
 def diagnosis_answer(answer: Diagnosed) -> Section:
     """Give the first section of a diagnosis: its verdict, and why."""
     words = [answer.headline(), *before_physics(answer)]
-    words += [sentence(word) for word in (*answer.diagnosis.reasons, *answer.untested(), *answer.cautions())]
+    reasons = (*answer.diagnosis.reasons, *answer.untested(), *answer.cautions(), *answer.farthest_off())
+    words += [sentence(word) for word in reasons]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")
     if answer.no_test:

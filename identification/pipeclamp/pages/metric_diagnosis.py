@@ -6,7 +6,7 @@ from pipeclamp.pages.diagnosis import drive_shown
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.waterfall import LEFT_OUT, Rung
 from pipeclamp.show.metric_diagnosis import metric_candidate_table
-from pipeclamp.show.sentences import sentence
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp.show.sentences import about_mean, sentence
 from pipeclamp.show.table import SINGLE_CYCLES, Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
@@ -13,6 +12,7 @@ from pipeclamp_identification.comparison.breakdown import (
     Part,
 )
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
+from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_identification.loops.loops import PRELOADED
 from pipeclamp_identification.workflow.along_free import along_free

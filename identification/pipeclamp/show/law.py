@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from pipeclamp.show.sentences import about_mean
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
+from pipeclamp_identification.comparison.sentences import about_mean
 from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.workflow.change import ADDED, STILL_AS_GOOD, Addition

@@ -11,13 +11,13 @@ import jinja2
 from pipeclamp.api.tests import Tests
 from pipeclamp.pages.page import templates_of
 from pipeclamp.pages.waterfall import USED, Rung, waterfall_picture
-from pipeclamp.show.sentences import sentence
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError

@@ -24,6 +24,7 @@ from pipeclamp_identification.comparison.concentration import (
 )
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples, free_conditions
 from pipeclamp_identification.comparison.free_concentration import OFTEN, free_words, outside_share
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.comparison.sums import RunSums, error_sums
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfits
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_noise, overall_nrmse
@@ -93,7 +94,7 @@ class Comparison:
         """The conditions that vary from run to run."""
         return tuple(condition for condition in self.conditions if condition.varies)
 
-    @property
+    @cached_property
     def farthest_off(self) -> str:
         """At which conditions the law is farthest off for the force there, in words; empty where it is alike."""
         return farthest_off(self.sums, self.varied, overall_nrmse(self.runs))
@@ -164,17 +165,13 @@ def where_words(comparison: Comparison) -> list[str]:
     whole = breakdown.along_loop(sums)
     sentences = [
         region_sentence(region(sums, comparison.varied), whole),
-        _sentence(comparison.farthest_off),
+        sentence(comparison.farthest_off) if comparison.farthest_off else "",
         hidden_sentence(whole),
         harmonic_sentence(breakdown.by_harmonic(sums)),
         cycles_sentence(sums),
         drift_sentence(breakdown.drift(sums), comparison.nrmse),
     ]
     return [*filter(None, sentences), *free]
-
-
-def _sentence(words: str) -> str:
-    return f"{words[0].upper()}{words[1:]}." if words else ""
 
 
 def celsius(loops: Loops, row: int) -> float | None:

@@ -143,19 +143,21 @@ def farthest_off(sums: Sequence[RunSums], conditions: Sequence[Condition], nrmse
         nrmse: error of all runs as a share of the force.
     """
     levels = [
-        (part, f"{condition.name} = {condition.words(level)}" if condition.unit else condition.words(level))
+        (part.nrmse or 0.0, part, condition, place)
         for condition in conditions
-        if condition.varies
-        for part, level in zip(by_condition(sums, condition).parts, condition.levels, strict=True)
+        for place, part in enumerate(by_condition(sums, condition).parts)
+        if condition.levels[place].known
     ]
-    known = [(part.nrmse, part, words) for part, words in levels if part.nrmse is not None]
-    worst, part, words = max(known, key=lambda entry: entry[0], default=(0.0, None, ""))
-    scatter = None if part is None else part.noise_nrmse
-    if part is None or worst < FARTHER_OFF * max(nrmse, scatter or 0.0):
+    if not levels:
+        return ""
+    worst, part, condition, place = max(levels, key=lambda entry: entry[0])
+    scatter = part.noise_nrmse
+    if worst < FARTHER_OFF * max(nrmse, scatter or 0.0):
         return ""
     runs = f"{part.runs} run{'s' if part.runs > 1 else ''}"
     of_it = "" if scatter is None else f"; scatter makes {scatter:.2%}"
-    return f"at {words} the law errs by {worst:.2%} of the force there ({runs}){of_it}"
+    at = _interval_words(condition, condition.levels, place, place)
+    return f"{at} the law errs by {worst:.2%} of the force there ({runs}){of_it}"
 
 
 def _inside(factors: Sequence[Factor], excess: Array, force: Array) -> tuple[float, float]:

@@ -218,13 +218,14 @@ def twins(
     contenders: list[Contender] = []
     for gone, stays in (pair.effects, pair.effects[::-1]):
         one = pair.result.law.structure.effect(gone)
-        # A general effect fits as well as its special case by itself.
         alike = [
             each
             for each in candidates
-            if act_alike(one, each.effects[0]) and one.id not in structure.effect(each.effects[0]).special_cases
+            if act_alike(one, name := each.effects[0])
+            and effect_id(name) != effect_id(stays)
+            and one.id not in structure.effect(name).special_cases  # a general effect fits as well by itself
         ]
-        for twin in [each for each in alike if effect_id(each.effects[0]) != effect_id(stays)][:MOST_PAIRED]:
+        for twin in alike[:MOST_PAIRED]:
             larger = with_effect(structure, twin.effects[0])
             if fits_beside(larger, stays):
                 both, alone = with_effect(larger, stays), twin.result.law.values

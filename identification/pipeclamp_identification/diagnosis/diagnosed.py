@@ -145,11 +145,15 @@ class Diagnosed:
         return HEADLINES[self.verdict, self.kind].format(names)
 
     def words(self) -> tuple[str, ...]:
-        """Say why, what is left over, and where a law that stays as it is is farthest off for the force there."""
-        stays = self.verdict in ("complete", "unknown") and self.comparison.farthest_off
+        """Say why, and what is left over."""
         return (
-            *self.diagnosis.reasons, *self.untested(), *self.cautions(), *self.left_over(), *([stays] if stays else []),
+            *self.diagnosis.reasons, *self.untested(), *self.cautions(), *self.left_over(), *self.farthest_off(),
         )  # fmt: skip
+
+    def farthest_off(self) -> tuple[str, ...]:
+        """Say where a law that stays as it is is farthest off for the force there."""
+        stays = self.verdict in ("complete", "unknown")
+        return tuple(filter(None, [self.comparison.farthest_off])) if stays else ()
 
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""

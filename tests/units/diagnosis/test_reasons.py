@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.weighing.reasons import hidden_words, immaterial_words, pair_words
 
 PROBLEM = SimpleNamespace(loops=SimpleNamespace(run=range(24)), groups=np.arange(2))
@@ -66,3 +67,12 @@ def test_why_two_effects_in_the_table_are_not_named_is_said(squares, best, said)
 
 def test_what_scatter_may_hide_is_told_in_times_of_the_noise():
     assert "may hide that it is up to 4.3 times the force noise, and these 24 runs" in hidden_words(LAW.lack, PROBLEM)
+
+
+@pytest.mark.parametrize("verdict", ["complete", "unknown", "missing", "ambiguous"])
+def test_of_a_law_that_stays_it_is_told_where_it_is_farthest_off(verdict):
+    """A law with no force in the smallest loops had been told by the error of all runs alone."""
+    far = "at A = 0.05 mm the law errs by 99.99% of the force there (7 runs)"
+    found = Diagnosed(SimpleNamespace(verdict=verdict), SimpleNamespace(farthest_off=far))
+    assert found.farthest_off() == ((far,) if verdict in ("complete", "unknown") else ())
+    assert Diagnosed(found.diagnosis, SimpleNamespace(farthest_off="")).farthest_off() == ()

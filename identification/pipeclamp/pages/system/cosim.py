@@ -10,8 +10,8 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Section, doubted, styled
 from pipeclamp.pages.pictures import curves_picture, thinned
 from pipeclamp.pages.system.bands import add_area, run_bands_section
-from pipeclamp.show.sentences import sentence
 from pipeclamp.show.table import Table
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.cosim.beating import cycle_amplitudes

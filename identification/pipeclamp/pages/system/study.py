@@ -8,8 +8,8 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Section, doubted
 from pipeclamp.pages.pictures import cells_picture, curves_picture
 from pipeclamp.pages.system.bands import FAINT, add_area
-from pipeclamp.show.sentences import sentence
 from pipeclamp.show.table import Table
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.description.trust_mark import doubt
