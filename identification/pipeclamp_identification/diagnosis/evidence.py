@@ -70,7 +70,7 @@ class LackOfFit:
     @property
     def excess(self) -> float:
         """Mean square of what follows the conditions, N2."""
-        return float(self.by_channel.sum())
+        return _whole(_mean_and_loop(self.by_channel))
 
     @property
     def rms(self) -> float:
@@ -111,13 +111,22 @@ def lack_of_fit(
     # Of a sum of as many squares as there are freedoms.
     error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
     error[1:] /= 2
-    excess = float(by_channel.sum())
-    chance = BY_CHANCE * float(np.linalg.norm(error))
+    excess = _mean_and_loop(by_channel)
+    chance = BY_CHANCE * np.array([error[0], np.linalg.norm(error[1:])])
     share, sure_share, most_share = (
-        float(np.sqrt(max(one, 0.0) / float(np.mean(noise_rms**2))))
-        for one in (excess, excess - chance, excess + chance)
+        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, excess - chance, excess + chance)
     )
     return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, most_share, by_channel)
+
+
+def _mean_and_loop(by_channel: Array) -> Array:
+    """Give the mean square in the mean force and in all other harmonics, N2, shape (2,)."""
+    return np.array([by_channel[0], by_channel[1:].sum()])
+
+
+def _whole(mean_and_loop: Array) -> float:
+    """Give the mean square of both, N2: a load that happens to scatter less takes nothing from what the loop lacks."""
+    return float(np.maximum(mean_and_loop, 0.0).sum())
 
 
 def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:

@@ -1,8 +1,9 @@
 """An honest noise model: what scatters between cycles, and what scatters between runs.
 
 Three parts. White sensor noise, each run with its own level. Slow, coloured noise: how much stronger scatter is at low
-absolute frequencies, pooled over runs. Scatter of stiffness and of damping from run to run: a share by which a whole
-run's elastic or damping force is off, estimated from what of the residuals doesn't follow the conditions smoothly.
+absolute frequencies, pooled over runs. Scatter of stiffness, of damping and of a constant load from run to run: a share
+by which a whole run's elastic, damping or mean force is off, estimated from what of the residuals doesn't follow the
+conditions smoothly.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from pipeclamp_models.realise.motion import Motion
 WHITE_FROM = 5
 """Harmonics from this one on show the white level of a run."""
 MOST_SCATTER = 0.02
-"""Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter."""
+"""Stiffness, damping or load that differs by more than this share from run to run is a law's error, not a rig's."""
 UNSEEN = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
@@ -84,6 +85,7 @@ class NoiseModel:
         variance: from cycles, N2, shape (R, 2 H + 1), ordered as `harmonics_of` orders them.
         elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, same shape.
         stiffness_scatter, damping_scatter: standard deviation of that share from run to run.
+        load_scatter: standard deviation of a constant load from run to run, N.
     """
 
     variance: Array
@@ -91,16 +93,28 @@ class NoiseModel:
     damping: Array
     stiffness_scatter: float
     damping_scatter: float
+    load_scatter: float
 
     @property
     def is_no_rigs(self) -> bool:
-        """Whether more would have to scatter from run to run than on any rig."""
+        """Whether more would have to scatter from run to run than on any rig; a load may be as small as noise."""
         return max(self.stiffness_scatter, self.damping_scatter) >= MOST_SCATTER
+
+    @property
+    def load_shows(self) -> bool:
+        """Whether scatter of the load is more than what noise makes of mean forces."""
+        return self.load_scatter**2 > float(np.median(self.variance[:, 0]))
 
     def total_variance(self) -> Array:
         """Give the variance of each harmonic part, scatter between runs included, N2, shape (R, 2 H + 1)."""
         elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
-        return np.asarray(self.variance + elastic**2 + damping**2)
+        return np.asarray(self.noise_and_load() + elastic**2 + damping**2)
+
+    def noise_and_load(self) -> Array:
+        """Give the variance of each harmonic part that noise and scatter of the load make, N2, shape (R, 2 H + 1)."""
+        variance = self.variance.copy()
+        variance[:, 0] += self.load_scatter**2
+        return variance
 
     def no_scatter(self, residual: Array) -> Array:
         """Give residuals, N, shape (R, 2 H + 1), without what scatter of stiffness and damping can make of them."""
@@ -117,7 +131,7 @@ class NoiseModel:
         """
         runs, size = self.variance.shape
         covariance = np.zeros((runs, size, size))
-        covariance[:, np.arange(size), np.arange(size)] = self.variance + discrepancy
+        covariance[:, np.arange(size), np.arange(size)] = self.noise_and_load() + discrepancy
         for direction, scatter in ((self.elastic, self.stiffness_scatter), (self.damping, self.damping_scatter)):
             covariance += scatter**2 * direction[:, :, None] * direction[:, None, :]
         lower = np.linalg.cholesky(covariance)
@@ -142,15 +156,21 @@ def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
     elastic, damping = np.zeros_like(variance), np.zeros_like(variance)
     elastic[:, 1::2] = loops.force[:, 1:].real
     damping[:, 2::2] = loops.force[:, 1:].imag
-    scatter = [0.0, 0.0]
+    scatter = [0.0, 0.0, 0.0]
     if residual is not None:
         smooth = smooth_basis(loops)
-        scatter = [_scatter(residual, direction, variance, smooth) for direction in (elastic, damping)]
+        load = np.zeros_like(variance)
+        load[:, 0] = 1.0
+        most_load = MOST_SCATTER * abs(float(np.median(loops.force[:, 0].real)))
+        scatter = [
+            _scatter(residual, direction, variance, smooth, most)
+            for direction, most in ((elastic, MOST_SCATTER), (damping, MOST_SCATTER), (load, most_load))
+        ]
     return NoiseModel(variance, elastic, damping, *scatter)
 
 
-def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array) -> float:
-    """Estimate the scatter from run to run of the share by which a direction's force is off.
+def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array, most: float) -> float:
+    """Estimate the scatter from run to run of the share by which a direction's force is off; not above `most`.
 
     Each run's share is its residual's weighted projection on the direction. What follows the conditions smoothly is
     taken for missing physics; the rest, less what cycle noise makes of it, is scatter.
@@ -165,7 +185,7 @@ def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array) 
     if free < 1:
         return 0.0
     excess = np.sum(rest**2) - np.sum((1 - leverage) / weight[known])
-    return min(float(np.sqrt(max(excess, 0.0) / free)), MOST_SCATTER)
+    return min(float(np.sqrt(max(excess, 0.0) / free)), most)
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, REAL_LACK_CHANCE
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.signals.digits import newtons
 
@@ -19,7 +20,8 @@ class OpenMeans:
     Attributes:
         runs: loops whose mean it leaves open, of so many in all.
         of_runs: so many.
-        rms: by which these means are off the law, over all loops, N.
+        rms: by which these means are off the law, over all loops, N; zero where noise and scatter of a load from run to
+            run make as much by chance.
         share: the same as a share of the force noise per sample.
     """
 
@@ -40,9 +42,15 @@ def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
     """Tell which mean forces a law leaves open, and how large they are."""
     force = law.result.law_force
     left_open = problem.harmonics.open_means(force)
-    off = np.where(left_open, problem.harmonics.off_in_mean(force), 0.0)
-    rms, noise = float(np.sqrt(np.mean(off**2))), float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))
-    return OpenMeans(int(np.count_nonzero(left_open)), len(off), rms, rms / noise)
+    squares = problem.harmonics.off_in_mean(force)[left_open] ** 2
+    scatter = problem.noise.noise_and_load()[left_open, 0]
+    runs, of_runs = len(squares), len(left_open)
+    beyond = float(np.sum(squares - scatter)) / of_runs
+    told_by = max(of_runs - problem.smooth.shape[1], 1)
+    by_chance = runs == 0 or stats.f.sf(np.mean(squares / scatter), runs, told_by) > REAL_LACK_CHANCE
+    rms = 0.0 if by_chance else float(np.sqrt(max(beyond, 0.0)))
+    noise = float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))
+    return OpenMeans(runs, of_runs, rms, rms / noise)
 
 
 def with_means_counted(judged: Judged, law: Judged, problem: Problem) -> Judged:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import larger_as_asked
 from pipeclamp_identification.diagnosis.foretold import explained_share, gains, takes_part
+from pipeclamp_identification.diagnosis.open_means import with_means_counted
 from pipeclamp_identification.diagnosis.problem import (
     Judged,
     Prepared,
@@ -120,7 +121,8 @@ def simpler_structure(asked: Asked, names: Collection[str], progress: Progress) 
 def better_structures(asked: Asked, progress: Progress) -> list[Structure]:
     """Give the law with another of its effects' family in one's place, or on another base, where it does better.
 
-    To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt. A base
+    To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt, and not
+    in mean forces that it leaves open. A base
     that does so with the law's effects is also given alone, after that: they may have made up for the base that the
     law had, and what nothing needs goes astray on left-out conditions.
 
@@ -128,7 +130,8 @@ def better_structures(asked: Asked, progress: Progress) -> list[Structure]:
         what does better, best first; empty where nothing does.
     """
     found = [*_swapped(asked, _alike(asked), progress), *_on_another_base(asked, progress)]
-    better = [each for each in found if not each.objections and takes_part(each, asked.law, asked.problem)]
+    sound = (each for each in found if not with_means_counted(each, asked.law, asked.problem).objections)
+    better = [each for each in sound if takes_part(each, asked.law, asked.problem)]
     structures: list[Structure] = []
     for each in sorted(better, key=lambda judged: judged.squares):
         structure = each.result.law.structure

@@ -214,7 +214,10 @@ def weighed_errors(law: Law, loops: Loops, problem: Problem) -> Array:
     """Give the squared error of each run in units of its noise, of scatter from run to run, and of what laws miss."""
     known = problem.noise
     noise = replace(
-        noise_model(loops), stiffness_scatter=known.stiffness_scatter, damping_scatter=known.damping_scatter
+        noise_model(loops),
+        stiffness_scatter=known.stiffness_scatter,
+        damping_scatter=known.damping_scatter,
+        load_scatter=known.load_scatter,
     )
     observations = WhitenedObservations(loop_observations(loops), noise.whitener(problem.discrepancy))
     residual = observations.against_noise(force_of_law(law, observations.motion))

@@ -22,9 +22,11 @@ NEXT_TO_NOTHING = 0.005
 
 def scatter_words(lack: LackOfFit, problem: Problem) -> str:
     """Say how much follows the conditions, and how much scatters from run to run."""
-    scatter = problem.noise.stiffness_scatter, problem.noise.damping_scatter
-    named = zip(scatter, ("stiffness", "damping"), strict=True)
+    noise = problem.noise
+    named = (noise.stiffness_scatter, "stiffness"), (noise.damping_scatter, "damping")
     shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
+    if noise.load_shows:
+        shown.append(f"{newtons(noise.load_scatter)} of the load")
     from_run_to_run = f"{' and '.join(shown)} from run to run" if shown else ""
     if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
         between = f", and {from_run_to_run}" if shown else ""
