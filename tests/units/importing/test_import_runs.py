@@ -93,6 +93,13 @@ def test_a_program_that_was_driven_by_hand_is_parted():
     assert len(parts(*pieces).runs) == 5
 
 
+def test_a_way_to_the_next_level_that_turns_once_is_no_rest():
+    """The program goes on about another place, so that the way there turns, and turns back, within a moment."""
+    cut = parts(sine(1, 1, 4), -0.15 + sine(0.6, 1, 4))
+    assert len(cut.runs) == 2
+    assert {part.why for part in cut.left} == {"ramp or change of level"}
+
+
 def test_pieces_of_a_slow_ramp_are_no_levels():
     cut = parts(sine(0, 1, 15, 0.5), sine(0.5, 1, 10), sine(0.5, 1, 15, 1), sine(1, 1, 10))
     assert len(cut.runs) == 2

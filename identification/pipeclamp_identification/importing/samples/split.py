@@ -343,7 +343,8 @@ def _what(begin: int, end: int, beside: Part, period: float, turns: IntArray, ti
     inner = turns[(turns > begin) & (turns < end)]
     # at either end it holds a part of the cycles beside it
     within = np.ptp(y[inner] if len(inner) > 1 else np.quantile(y[begin:end], (0.1, 0.9)))
-    if within < AT_REST * np.ptp(y[beside.first : beside.last]):
+    lasts = float(time[end - 1] - time[begin]) > period
+    if lasts and within < AT_REST * np.ptp(y[beside.first : beside.last]):
         return "rest"
     inside = np.concatenate([[begin], inner, [end - 1]])
     rests = float(np.max(np.diff(time[inside]))) > RESTING * period
