@@ -110,7 +110,7 @@ def _left_over_sentences(answer: Diagnosed) -> list[str]:
         return [
             f"{newtons(lack.rms)} that follow the conditions, {lack.share:.2g} times the noise: see the answer above."
         ]
-    return ["Nothing that follows the conditions."]
+    return ["Nothing that follows the conditions." if answer.verdict == "complete" else "See the answer above."]
 
 
 def _screened(diagnosis: Diagnosis) -> list[str]:

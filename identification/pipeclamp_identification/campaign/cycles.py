@@ -10,6 +10,7 @@ from statistics import median
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.signals.half_cycles import turning_points
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate, phasor_powers
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
@@ -28,6 +29,8 @@ MISSING = 0.02
 DISTORTION = 5
 # the highest order of small cycles that ride on a large one, which are part of the drive as its fundamental is
 RIDING_ORDER = 20
+# a way back of less than this share of the whole one is no turn of a record that may be one cycle
+TURN = 0.1
 # the fewest samples per cycle with which a loop's shape is more than guesswork
 FEWEST_SAMPLES = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
@@ -112,12 +115,27 @@ def find_cycles(record: Record) -> Cycles:
         fresh = _starts_fresh(force)
         frequency += _frequency_correction(displacement, frequency)
         bounds = first + _bounds(time[first:last], frequency, interval)
+    if len(bounds) < 2 and (closing := _closing_frequency(time, y)):
+        frequency, first, last = closing, 0, len(time)
+        bounds = _bounds(time, frequency, interval)
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
     if fresh:
         bounds = bounds[1:]
     return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
+
+
+def _closing_frequency(time: Array, y: Array) -> float | None:
+    """Give the frequency of a record that is one cycle from end to end, None where it isn't.
+
+    The best sine of one triangle, there and back, has another frequency, by which a part of the cycle would be missing.
+    """
+    size = float(np.ptp(y))
+    turns = turning_points(y, np.full(len(y), TURN * size))
+    if len(turns) - 2 > 2 or abs(y[-1] - y[0]) > STEADY * size:
+        return None
+    return float(1.0 / time[-1])
 
 
 def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:

@@ -164,7 +164,8 @@ def diagnose(
     tell = progress or (lambda _: None)
     loops = loops or loops_of(campaign)
     if len(loops.run) < FEWEST_RUNS:
-        raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
+        runs = "1 run" if len(loops.run) == 1 else f"{len(loops.run)} runs"
+        raise UserError(f"{runs} can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)

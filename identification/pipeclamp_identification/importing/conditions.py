@@ -38,6 +38,8 @@ GUESSED = {
     "k": "temperature_K", "grad": "temperature_C",
 }  # fmt: skip
 """Units behind numbers in names of files, and what was set in them."""
+SMALL = ("c", "k")
+"""Units in letters that stand for other things, too (2c for two cycles): they count where the number varies."""
 LETTERS = {
     "a": "amplitude_mm", "amp": "amplitude_mm", "f": "frequency_Hz", "freq": "frequency_Hz", "t": "temperature_C",
     "temp": "temperature_C",
@@ -172,11 +174,12 @@ def _meant(before: str, texts: Sequence[str], after: str) -> str:
     """Give the field that numbers in names of files fill, by what stands around them; "" where that tells nothing."""
     letters = re.search(r"([A-Za-z]*)[_=]?$", before)
     unit = re.match(r"[ _]?(degC|[A-Za-z]+)", after)
-    if unit and (field := GUESSED.get(unit[1].casefold())):
+    varies = len(set(texts)) > 1
+    if unit and (varies or unit[1] not in SMALL) and (field := GUESSED.get(unit[1].casefold())):
         return field
     if letters and (field := LETTERS.get(letters[1].casefold())):
         return field
-    further = further_quantity(unit[1]) if unit and len(set(texts)) > 1 else None
+    further = further_quantity(unit[1]) if unit and varies else None
     return f"{further}_{unit[1]}" if unit and further else ""
 
 

@@ -28,7 +28,7 @@ from pipeclamp_identification.importing.reading import SourceFile, digest_of, re
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
+from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds, unsteady
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
@@ -373,8 +373,8 @@ def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
     """
     try:
         cycles = find_cycles(record)
-    except UnusableRecord:
-        return record, seen_free(record, free_motion(record)), ("its motion is no sine: it is free",)
+    except UnusableRecord as fault:
+        return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({fault}): it is free",)
     words: tuple[str, ...] = ()
     try:
         check_clipping(record, cycles)
@@ -383,6 +383,8 @@ def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
         words = (told,)
         cycles = find_cycles(record)
         check_clipping(record, cycles)
+    if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):
+        words = (*words, change)
     return record, seen_sine(record, cycles), words
 
 

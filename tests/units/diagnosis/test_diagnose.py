@@ -89,6 +89,20 @@ def test_what_passes_for_form_is_never_told_as_nothing(campaign):
     assert "Nothing that follows the conditions" not in page
 
 
+def test_a_page_of_what_cannot_be_named_says_nowhere_that_nothing_is_left(campaign):
+    """As of a law that leaves mean forces open: they don't follow the conditions, and aren't nothing."""
+    tests = campaign()
+    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    found = diagnosed(file, tests)
+    assert not found.left_over()
+    unnamed = replace(found.diagnosis.found, verdict="unknown", reasons=("it leaves mean forces open",))
+    page = render(
+        "", "", diagnosis_page(file, replace(found, diagnosis=replace(found.diagnosis, found=unnamed)), "next")
+    )
+    assert "It leaves mean forces open" in page
+    assert "Nothing that follows the conditions" not in page
+
+
 def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
     """Noisy records of few samples: each is seen through its own sampling, at few points of the cycle."""
     plan = rig.TestPlan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)

@@ -55,6 +55,57 @@ def test_steps_of_amplitude_and_frequency_part_runs():
     assert len(cut.runs) == 4
 
 
+def program(*steps, slow=False):
+    """Steps of (amplitude, cycles), as sines of 1 Hz or, as of a quasi-static test, at one speed."""
+    pieces = []
+    for amplitude, cycles in steps:
+        period = round(4 * amplitude * RATE if slow else RATE)
+        turn = np.sin(2 * np.pi * np.arange(period) / period)
+        pieces += cycles * [amplitude * (2 / np.pi * np.arcsin(turn) if slow else turn)]
+    return pieces
+
+
+@pytest.mark.parametrize("slow", [False, True])
+@pytest.mark.parametrize(
+    "steps",
+    [
+        [(a, 3) for a in (0.2, 0.3, 0.45, 0.7)],
+        [(a, 2) for a in (0.2, 0.3, 0.45, 0.7)],
+        [(0.2, 6), (0.3, 6), (0.4, 6), (0.8, 3), (1.2, 3), (1.6, 2), (2.0, 2)],
+    ],
+)
+def test_a_program_of_few_cycles_a_step_is_parted(steps, slow):
+    pieces = program(*steps, slow=slow)
+    cut = parts(*pieces)
+    assert len(cut.runs) == len(steps)
+    y = np.concatenate(pieces)
+    held = [np.abs(y[part.first : part.last]) for part in cut.runs]
+    assert [np.max(one) for one in held] == pytest.approx([amplitude for amplitude, _ in steps], rel=0.01)
+
+
+def test_a_program_that_was_driven_by_hand_is_parted():
+    rng = np.random.default_rng(3)
+    pieces = []
+    for amplitude in (0.2, 0.3, 0.45, 0.7, 1.0):
+        for _ in range(4):
+            period = round(RATE * (1 + rng.normal(0, 0.05)))
+            pieces.append(amplitude * (1 + rng.normal(0, 0.01)) * np.sin(2 * np.pi * np.arange(period) / period))
+    assert len(parts(*pieces).runs) == 5
+
+
+def test_a_way_to_the_next_level_that_turns_once_is_no_rest():
+    """The program goes on about another place, so that the way there turns, and turns back, within a moment."""
+    cut = parts(sine(1, 1, 4), -0.15 + sine(0.6, 1, 4))
+    assert len(cut.runs) == 2
+    assert {part.why for part in cut.left} == {"ramp or change of level"}
+
+
+def test_pieces_of_a_slow_ramp_are_no_levels():
+    cut = parts(sine(0, 1, 15, 0.5), sine(0.5, 1, 10), sine(0.5, 1, 15, 1), sine(1, 1, 10))
+    assert len(cut.runs) == 2
+    assert [part.first for part in cut.runs] == pytest.approx([3000, 8000], abs=400)
+
+
 def test_a_ramp_of_one_cycle_is_no_rest():
     cut = parts(sine(0.0, 4, 1, 0.5), sine(0.5, 4, 6))
     assert [part.why for part in cut.left] == ["ramp or change of level"]
@@ -87,10 +138,27 @@ def test_a_segment_channel_parts_runs_and_a_counter_of_cycles_does_not():
     assert len(parts(*y, segment=np.arange(1600) // 100.0).runs) == 1
 
 
-def test_a_sweep_is_no_row_of_levels():
-    time = np.arange(20_000) / 1000
-    cut = split(time, np.sin(2 * np.pi * (1 + 0.3 * time) * time))
-    assert [(part.first, part.last) for part in cut.runs] == [(0, 20_000)]
+@pytest.mark.parametrize(
+    "motion",
+    [
+        lambda t: np.sin(2 * np.pi * (1 + 0.15 * t) * t),
+        lambda t: np.sin(2 * np.pi * np.log(1 + 0.012 * t) / 0.04),
+        lambda t: 0.01 * np.exp(0.04 * t) * np.sin(2 * np.pi * t),
+    ],
+    ids=["frequency", "period", "amplitude"],
+)
+def test_a_sweep_is_no_row_of_levels(motion):
+    time = np.arange(60 * RATE) / RATE
+    cut = parts(motion(time))
+    assert [(part.first, part.last) for part in cut.runs] == [(0, len(time))]
+
+
+def test_a_run_that_changes_all_along_says_how_little_of_it_is_used(tmp_path):
+    time = np.arange(1200) / RATE
+    y = (0.1 + 0.2 * time) * np.sin(4 * np.pi * time)
+    (tmp_path / "grows.csv").write_text(text(Loop("grows", 0.5, 2.0, 20.0, time, y, 300 * y)))
+    (run,) = pc.import_files([tmp_path / "grows.csv"], tmp_path / "c").to_dict()["runs"]
+    assert any("1 of some 12 cycles is steady, and alone is used" in words for words in run["done"])
 
 
 def test_time_that_begins_anew_and_gaps_part_runs():
@@ -176,6 +244,16 @@ def test_spikes_are_replaced_and_told_and_loops_left_alone():
     assert "5 spikes in force_N" in repaired.told[0]
 
 
+def test_a_peak_of_a_small_loop_of_few_samples_is_no_spike():
+    """As of a curve that was read off a picture: first a small loop of a few samples, larger ones of more behind it."""
+    t = np.arange(800) / 40
+    y, force = 10 * np.sin(2 * np.pi * t), 20 * np.sin(2 * np.pi * t + 0.2)
+    y[:8], force[:8] = [0, 0.9, -1, -0.1, 0.9, 1.3, 0, -1], [0, 8.9, -7.8, 2, 10.3, 12.6, 0, -7]
+    assert not without_spikes(Record(t, y, force)).told
+    force[401] += 60
+    assert "1 spike in force_N" in without_spikes(Record(t, y, force)).told[0]
+
+
 @pytest.mark.parametrize("per_cycle", [16, 50, 400])
 @pytest.mark.parametrize("loops", ["friction", "viscous", "impact", "noise"])
 def test_no_loop_is_taken_for_spikes(per_cycle, loops):
@@ -213,6 +291,9 @@ def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
          "frequency_Hz": 3.0}),
         (["1 C7 0.5 mm", "2 C7 1 mm"], "{amplitude_mm} mm", {"amplitude_mm": 0.5}),
         (["test_100psi_1", "test_100psi_2"], "", {}),
+        (["joint_2c"], "", {}),
+        (["joint_20C"], "joint_{temperature_C}C", {"temperature_C": 20.0}),
+        (["joint_20c", "joint_40c"], "joint_{temperature_C}c", {"temperature_C": 20.0}),
         (["test_001", "test_002"], "", {}),
         (["A1_f1", "B1_f1"], "", {}),
     ],

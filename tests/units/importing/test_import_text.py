@@ -216,6 +216,7 @@ def test_channels_of_one_name_are_told_apart_and_control_characters_taken_out(tm
     [
         (b"", "is empty"),
         (b"no table at all\nin two lines\n", "holds no table of numbers"),
+        (b"load / kN\n" + b"0.5\n-2\n1.25\n" * 5, "holds one column of numbers alone"),
         (b"a,b,c\n" + b"0,001,1,5,2,5\n" * 30, "3 names above 6 columns"),
         (
             text(loop()).encode() + text(loop(), names="Force [kN];Time [s];Displacement [mm]").encode(),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing.samples.blanks import on_lines
+from pipeclamp_identification.importing.samples.split import turns_of
 from pipeclamp_models.base.arrays import Array
 
 SPIKE = 12.0
@@ -18,6 +18,8 @@ OF_RANGE = 0.1
 """And the share of the channel's range between its 1st and 99th percent: what is smaller is left to the fit."""
 APART = 0.3
 """A spike's neighbours differ by less than this share of it: a step isn't one, the samples behind it stay there."""
+FEW_SAMPLES = 8
+"""Samples of a half cycle: with fewer, as of a curve that was read off a picture, a peak can be one of them."""
 MOST_SPIKES = 0.01
 """Share of the samples; a channel with more of them isn't spiky but noisy, and stays as it is."""
 EVEN = 0.25
@@ -51,20 +53,30 @@ def without_spikes(record: Record) -> Repaired:
     """Take single samples that stand far off their neighbours out of a record, by Hampel's filter; lines replace them.
 
     Hampel (J. Am. Stat. Assoc. 69, 1974): a sample lies many times the median absolute deviation off what is usual.
-    Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing.
+    Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing. Where a motion
+    turns within a few samples, the force's peak there is no spike.
     """
-    return _channel_by_channel(record, _despiked)
-
-
-def _channel_by_channel(record: Record, repair: Callable[[str, Array], tuple[Array, str]]) -> Repaired:
-    """Repair each channel by a function of name and samples, which gives them with words: "" where nothing was done."""
-    changed, told = {}, []
+    changed: dict[str, Array] = {}
+    told: list[str] = []
     for name, values in record.channels.items():
-        samples, words = repair(name, values)
+        # the displacement comes first, and shows where the motion turns once its own spikes are out
+        motion = None if name == MOVING[0] else changed.get(MOVING[0], record.displacement_mm)
+        samples, words = _despiked(name, values, motion)
         if words:
             changed[name] = samples
             told.append(words)
     return Repaired(replace(record, **changed) if changed else record, tuple(told))
+
+
+def _quick_turns(motion: Array) -> npt.NDArray[np.bool_]:
+    """Give the samples beside turns of a motion whose half cycles, before and after, hold few samples."""
+    turns = turns_of(motion)
+    half = np.diff(turns)
+    quick = turns[1:-1][np.maximum(half[:-1], half[1:]) < FEW_SAMPLES]
+    beside = np.zeros(len(motion), dtype=np.bool_)
+    for step in (-1, 0, 1):
+        beside[(quick + step).clip(0, len(motion) - 1)] = True
+    return beside
 
 
 def evened(record: Record) -> Repaired:
@@ -147,8 +159,11 @@ def _times_held(values: Array) -> tuple[int, int]:
     return (times, int(begins[0])) if even else (1, 0)
 
 
-def _despiked(name: str, values: Array) -> tuple[Array, str]:
+def _despiked(name: str, values: Array, motion: Array | None = None) -> tuple[Array, str]:
+    """Take spikes out of a channel; where it follows a motion, peaks of this are none."""
     found = _spikes(values) if name != "time_s" else np.zeros(len(values), dtype=np.bool_)
+    if motion is not None and np.any(found):
+        found &= ~_quick_turns(motion)
     count = int(np.count_nonzero(found))
     if not count:
         return values, ""

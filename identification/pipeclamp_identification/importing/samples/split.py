@@ -23,8 +23,15 @@ SAME_LEVEL = 0.04
 """Cycles whose amplitude and period differ by less from those before them are at one level."""
 REMEMBERED = 9
 """Half cycles before, whose median is the level: a control loop that creeps makes no step."""
-FEWEST_CYCLES = 3.0
-"""Cycles from which on a level is one, and no part of a ramp."""
+FEWEST_CYCLES = 2.5
+"""Cycles from its first turn to its last from which on a level is one, and no part of a ramp: a program of three cycles
+a step has half a cycle less between them, for it comes from the step before and goes on to the next one."""
+FEWEST_RIDING = 3.0
+"""Cycles from which on those of a large motion, on which they ride, are told from an earthquake's."""
+FEWEST_HALVES = 3
+"""Half cycles of a level of two cycles between its first turn and its last: one whole cycle and a half."""
+CLEAR_STEP = 2 * SAME_LEVEL
+"""Change of amplitude from which on a step of such a program is told from half cycles that scatter."""
 AT_EDGE = 0.75
 """Cycles at the end of a piece that belong to the level beside them: a record may begin anywhere in a cycle."""
 MOSTLY_STEADY = 0.5
@@ -45,7 +52,14 @@ RIDING = 0.1
 That of the cycles which a next test asks for, a quarter of the large one's amplitude at 7 times its frequency, moves by
 1.5 times it and more."""
 CREEPS = 0.5
-"""Levels that change by more than this share of `SAME_LEVEL` from end to end creep; most of them do in a sweep."""
+"""Levels that change by more than this share of `SAME_LEVEL` from end to end creep."""
+GOES_ON = 3.0
+"""Times the usual change from one half cycle to the next within a row: where the step to one beside it is no larger,
+and goes the same way, the row is a piece of a ramp or a sweep; a change of level is a larger one."""
+
+
+_Row = tuple[int, int, float]
+"""Half cycles of one level: the first, the one after the last, and their period in s."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +134,28 @@ def turns_of(y: Array) -> IntArray:
     return turning_points(y, np.full(len(y), least))
 
 
+def unsteady(y: Array, steady: slice, cycles: int) -> str:
+    """Say that a run changes along it so far that most of its motion isn't used; "" where it doesn't.
+
+    Args:
+        y: displacement in mm, shape (n,).
+        steady: samples of it that are used.
+        cycles: in these.
+    """
+    turns = turns_of(y)
+    ranges = np.abs(np.diff(y[turns]))
+    moving = _moving(turns, ranges)
+    used = steady.stop - steady.start
+    if used >= MOSTLY_STEADY * moving:
+        return ""
+    least, most = np.quantile(ranges[ranges > AT_REST * np.max(ranges)], (0.1, 0.9)) / 2
+    are = "is steady, and alone is used" if cycles == 1 else "are steady, and alone are used"
+    return (
+        f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm): {cycles} of some "
+        f"{moving * cycles / used:.0f} cycles {are}"
+    )
+
+
 def levels(time: Array, y: Array) -> Cut:
     """Give the levels of a piece as runs, and what lies between them.
 
@@ -135,25 +171,52 @@ def levels(time: Array, y: Array) -> Cut:
     middles = _crossings(time, y, turns)
     amplitude = (ranges[:-2] + 2 * ranges[1:-1] + ranges[2:]) / 8
     period = middles[2:] - middles[:-2]
-    stretches = _stretches(np.log(np.maximum(amplitude, 1e-300)), np.log(np.maximum(period, 1e-300)))
+    logarithms = np.log(np.maximum(amplitude, 1e-300)), np.log(np.maximum(period, 1e-300))
+    stretches = _stretches(*logarithms)
     # window k goes from turn k to turn k + 3: three half cycles
     about = (y[turns[:-1]] + y[turns[1:]]) / 2
     long = [(begin, end) for begin, end in stretches if (end - begin + 2) / 2 >= FEWEST_CYCLES]
     kept = [(begin, end) for begin, end in long if not _rides(about[begin : end + 2], amplitude[begin:end])]
-    if not kept and long:
+    if not kept and any((end - begin + 2) / 2 >= FEWEST_RIDING for begin, end in long):
         return _at_rests(turns, time, y)
-    covered = sum(int(turns[end + 2] - turns[begin]) for begin, end in kept)
-    if covered < MOSTLY_STEADY * _moving(turns, ranges) or not kept or _sweeps(amplitude, period, kept):
+    kept = [(begin, end) for begin, end in kept if not any(_is_ramp(values, begin, end) for values in logarithms)]
+    rows = [(begin, end + 2, float(np.median(period[begin:end]))) for begin, end in kept]
+    short = _short_levels(turns, ranges, time)
+    enough = MOSTLY_STEADY * _moving(turns, ranges)
+    if _covered(rows, turns) < enough:
+        rows = short
+    else:
+        rows = sorted([*rows, *(one for one in short if all(one[1] <= row[0] or row[1] <= one[0] for row in rows))])
+    if _covered(rows, turns) < enough or not rows:
         return whole
-    ends = [[int(turns[begin]), int(turns[end + 2])] for begin, end in kept]
+    ends = [[int(turns[begin]), int(turns[end])] for begin, end, _ in rows]
     for before, after in itertools.pairwise(ends):
         if after[0] < before[1]:
             before[1] = after[0] = (after[0] + before[1]) // 2
-    found = [
-        _Level(first, last, float(np.median(period[begin:end])))
-        for (first, last), (begin, end) in zip(ends, kept, strict=True)
-    ]
+    found = [_Level(first, last, period) for (first, last), (_, _, period) in zip(ends, rows, strict=True)]
     return _cut_at(found, turns, time, y)
+
+
+def _covered(rows: Sequence[_Row], turns: IntArray) -> int:
+    """Count the samples in rows of half cycles."""
+    return sum(int(turns[end] - turns[begin]) for begin, end, _ in rows)
+
+
+def _short_levels(turns: IntArray, ranges: Array, time: Array) -> list[_Row]:
+    """Give the levels of a program of steps of amplitude, those of two cycles too; none where it is no such program.
+
+    They are told by their amplitude alone, in which those beside each other differ clearly: a period needs more cycles.
+    """
+    ways = np.log(np.maximum(ranges, 1e-300))
+    stretches = [
+        (begin, end)
+        for begin, end in _stretches(ways, np.zeros_like(ways))
+        if end - begin >= FEWEST_HALVES and not _is_ramp(ways, begin, end)
+    ]
+    steps = np.abs(np.diff([np.median(ways[begin:end]) for begin, end in stretches]))
+    if len(stretches) < 2 or np.min(steps) <= CLEAR_STEP:
+        return []
+    return [(begin, end, 2 * float(time[turns[end]] - time[turns[begin]]) / (end - begin)) for begin, end in stretches]
 
 
 @dataclass(frozen=True)
@@ -180,16 +243,28 @@ def _at_rests(turns: IntArray, time: Array, y: Array) -> Cut:
     return Cut(runs, left)
 
 
-def _sweeps(amplitude: Array, period: Array, stretches: Sequence[tuple[int, int]]) -> bool:
-    """Tell whether what looks like many levels is one slow change."""
-    creeping = 0
-    for begin, end in stretches:
-        ends = min(3, end - begin)
-        for values in (np.log(amplitude[begin:end]), np.log(period[begin:end])):
-            if abs(np.median(values[-ends:]) - np.median(values[:ends])) > CREEPS * SAME_LEVEL:
-                creeping += 1
-                break
-    return len(stretches) > 2 and 2 * creeping > len(stretches)
+def _is_ramp(values: Array, begin: int, end: int) -> bool:
+    """Tell whether a row of half cycles is a piece of a slow change, a ramp or a sweep, that goes on beside it.
+
+    Args:
+        values: logarithm of the amplitude, or of the period, of each half cycle, shape (n,).
+        begin: first one of the row.
+        end: and the one after its last.
+    """
+    row = values[begin:end]
+    # ends of a short row don't overlap
+    ends = max(1, min(3, len(row) // 2))
+    creep = float(np.median(row[-ends:]) - np.median(row[:ends]))
+    if abs(creep) <= CREEPS * SAME_LEVEL:
+        return False
+    steps = np.sign(creep) * np.diff(values)
+    # the last step before the row, and the first one after it, beside those next to them
+    sides = [(begin - 1, steps[begin : end - 1][:REMEMBERED]), (end - 1, steps[begin : end - 1][-REMEMBERED:])]
+    return any(
+        0.0 < float(steps[place]) <= GOES_ON * float(np.median(inner))
+        for place, inner in sides
+        if 0 <= place < len(steps)
+    )
 
 
 def _moving(turns: IntArray, ranges: Array) -> int:
@@ -268,7 +343,8 @@ def _what(begin: int, end: int, beside: Part, period: float, turns: IntArray, ti
     inner = turns[(turns > begin) & (turns < end)]
     # at either end it holds a part of the cycles beside it
     within = np.ptp(y[inner] if len(inner) > 1 else np.quantile(y[begin:end], (0.1, 0.9)))
-    if within < AT_REST * np.ptp(y[beside.first : beside.last]):
+    lasts = float(time[end - 1] - time[begin]) > period
+    if lasts and within < AT_REST * np.ptp(y[beside.first : beside.last]):
         return "rest"
     inside = np.concatenate([[begin], inner, [end - 1]])
     rests = float(np.max(np.diff(time[inside]))) > RESTING * period

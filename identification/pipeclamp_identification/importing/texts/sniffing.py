@@ -147,6 +147,10 @@ def layout_of(lines: Sequence[str]) -> Layout:
         scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[3][0])), default=(0.0, 0, False, ("", ""))
     )
     if share == 0.0:
+        if 2 * sum(any(is_number(line.strip(), decimal) for decimal in DECIMALS) for line in sample) > len(sample):
+            raise Damaged(
+                "holds one column of numbers alone; expected displacement and force of a test side by side in one table"
+            )
         line = sample[len(sample) // 2][:MOST_SHOWN]
         raise Damaged(
             f"holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks; got {line!r} in it"
