@@ -209,6 +209,17 @@ def test_no_cause_is_named_whose_form_does_not_fit(leaves, other_takes, kind, to
     assert told in found.reasons[0]
 
 
+@pytest.mark.parametrize(("left", "kind"), [(45.0, "cause"), (55.0, "part")])
+def test_no_cause_is_named_that_does_not_foretell_half_of_what_is_missing(left, kind, monkeypatch):
+    """Four runs of a measured structural member were fitted by `memory`, which foretold 48 % of what was missing."""
+    best, law = candidate("memory", left, 80.0), candidate("", 100.0, 1000.0)
+    best.lack = SimpleNamespace(p_value=0.5, share=0.2, sure_share=0.0)
+    stand_in(monkeypatch, "rivals_of", lambda one, asked, problem: [])
+    found = weigh(law.result.law.structure, None, law, [best], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("memory",))
+    assert ("on left-out conditions it takes only 45% of what is missing" in found.reasons[0]) == (kind == "part")
+
+
 def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeypatch):
     """A further condition left nothing over, but was third by what scatter leaves to tell of left-out conditions."""
     first, second, last = (

@@ -85,7 +85,13 @@ def _more_in_force(best: Judged, others: Sequence[Judged], scales: Scales) -> st
 
 
 def _form_left(best: Judged, scales: Scales) -> str:
-    """Say that a law leaves more than a cause's form may; empty where it doesn't."""
+    """Say that a law leaves more than a cause's form may; empty where it doesn't.
+
+    A fit to few tests may leave little: what a cause's form can't foretell is left, too.
+    """
+    taken = explained_share(best, scales.law)
+    if taken < HALF_TAKEN_SHARE:
+        return f"on left-out conditions it takes only {taken:.0%} of what is missing"
     if is_adequate(best.lack, scales.tolerance) or best.lack.sure_share < CAUSE_NOISE_SHARE:
         return ""
     return f"{best.lack.share:.2g} times the noise still follows the conditions: its form isn't this one's exactly"
@@ -108,13 +114,15 @@ def _generals(special: Judged, scales: Scales) -> list[Judged]:
 def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
     """Name the first of two effects that together explain what is missing; None where no two do.
 
-    Of some hundred pairs one or another comes near by chance: it is a part where more than scatter is left.
+    Of some hundred pairs one or another comes near by chance: it is a part where more than scatter is left, or where it
+    foretells less than half of what is missing.
     """
     if not found or not scales.explains(found[0]):
         return None
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
-    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
+    foretells = explained_share(pair, scales.law) >= HALF_TAKEN_SHARE
+    kind: Kind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
     likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
     firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
     if not firsts:
