@@ -10,6 +10,7 @@ from pydantic import Field
 
 from pipeclamp_identification.fitting.groups import Groups, Quantity
 from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import GroupEntry
 
 
@@ -103,7 +104,7 @@ def per_group_words(entries: Sequence[GroupEntry]) -> tuple[str, ...]:
         ]
         if entry.mean_force_N:
             parts.append(f"mean force {entry.mean_force_N.value:+.3g} ± {entry.mean_force_N.standard_error:.1g} N")
-        runs = f"{entry.runs} run{'s' if entry.runs > 1 else ''}"
+        runs = counted(entry.runs, "run")
         lines.append(f"{entry.column} {entry.name} ({runs}) against the law: {', '.join(parts)}.")
     return tuple(lines)
 
