@@ -52,7 +52,7 @@ class AlongFree:
         if self.scatter_explains:
             return "Free motion: beyond scatter nothing is found missing along these motions."
         return (
-            "Free motion: more than scatter is left, so the law lacks something. What it is, a diagnosis finds from "
+            "Free motion: beyond scatter the law lacks something. What it is, a diagnosis finds from "
             "sines: those that the law was identified from, or a campaign of them that reaches as far as these motions."
         )
 

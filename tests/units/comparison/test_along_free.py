@@ -64,7 +64,7 @@ def test_the_first_words_tell_the_scatter_that_the_last_ones_judge_by(scatter_on
     assert f"scatter alone makes {found.scatter:.2%}" in first
     assert told in first
     assert "known" not in first
-    assert "more than scatter is left" in found.words()
+    assert "beyond scatter" in found.words()
 
 
 def test_the_noise_is_that_of_the_samples_whatever_the_law_lacks():
