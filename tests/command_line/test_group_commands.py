@@ -40,6 +40,7 @@ def test_a_law_says_how_its_specimens_differ_and_its_fmu_doesnt(pipeclamp, speci
     law = json.loads((tmp_path / "law.json").read_text(encoding="utf-8"))
     assert [entry["name"] for entry in law["groups"]] == ["S1", "S2", "S3"]
     assert "specimen S1 (12 runs) against the law: stiffness" in told.stdout
+    assert told.stdout.count("Errors on left-out conditions are told without these differences") == 1
     pipeclamp("build-fmu", tmp_path / "law.json", "-o", tmp_path / "clamp.fmu")
     pipeclamp("add", tmp_path / "law.json", "contact_growth", specimens, "-o", tmp_path / "law2.json")
 

@@ -37,8 +37,10 @@ def test_the_published_tables_lack_damping_temperature_then_contact_growth(steps
 
 
 def test_what_metrics_dont_show_is_said(steps):
+    assert "(scales slip, which base law 'power' lacks)" in " ".join(steps[0][0].split())
     for printed, answer in steps:
         assert printed.count("not visible in these metrics") == 1  # by reason, not a sentence each
+        assert "(effect '" not in printed, "its name stands before it"
         assert {"asymmetry", "offset", "directional_damping", "loosening"} <= set(answer["not_visible"])
         assert answer["nrmse"]["best"] < answer["nrmse"]["law"]
 

@@ -1,6 +1,9 @@
 """Tables in 80 columns: what is typed stays whole, and sentences get the room that numbers leave."""
 
+import pytest
+
 from pipeclamp.cli.terminal import print_table
+from pipeclamp.show.layout import hanging, wrapped
 from pipeclamp.show.table import Table
 
 HEADER = (
@@ -45,3 +48,49 @@ def test_a_name_stays_whole_where_a_word_of_a_sentence_is_a_little_too_long(caps
     told = capsys.readouterr().out
     assert "exponential_stiffening" in told
     assert max(map(len, told.splitlines())) <= 80
+
+
+LAWS = Table(
+    ("law", "made of", "RMS error / %", "scatter / %", "error over scatter"),
+    [("clamp_a (law.json)", "power + damping_temperature + exponential_stiffening", 0.4739, 0.4746, 0.9985)],
+)
+METRICS = Table(
+    ("A / mm", "dW / J", "W / J", "eta", "k / N/mm", "paper dW / J", "paper W / J", "paper eta"),
+    [(0.2, 0.07793, 0.05656, 0.2193, 2769.0, 0.1281, 0.05523, 0.3708)],
+)
+
+
+def printed(table, width, capsys):
+    print_table(table, width=width)
+    told = capsys.readouterr().out
+    assert max(map(len, told.splitlines())) <= width
+    return told
+
+
+@pytest.mark.parametrize("width", [60, 80])
+def test_names_of_a_later_column_stay_whole(width, capsys):
+    told = printed(LAWS, width, capsys)
+    assert "damping_temperature" in told
+    assert "exponential_stiffening" in told
+
+
+def test_a_name_that_is_too_long_for_its_column_is_cut_at_its_joints():
+    assert wrapped("with exponential_stiffening, gap", 16).split("\n") == ["with", "exponential_", "stiffening, gap"]
+
+
+@pytest.mark.parametrize("width", [40, 50, 60, 80])
+def test_numbers_are_never_cut_nor_heads(width, capsys):
+    told = printed(METRICS, width, capsys)
+    for number in ("0.07793", "0.05656", "0.2193", "2769", "0.1281", "0.05523", "0.3708"):
+        assert number in told
+    assert "paper" in told
+
+
+def test_a_unit_stays_beside_its_symbol_where_there_is_room(capsys):
+    header = ("run", "A / mm", "f / Hz", "what else is to be known of this run, told at such length that it is folded")
+    assert "f / Hz" in printed(Table(header, [("one", 1.0, 1.0, "it is long " * 9)]), 60, capsys)
+
+
+def test_a_sentence_goes_on_below_its_beginning_and_its_words_stay_whole():
+    told = hanging("head\n  a sentence with /a/long/path/that/stays/whole.json at its end", 24)
+    assert told.split("\n") == ["head", "  a sentence with", "  /a/long/path/that/stays/whole.json", "  at its end"]

@@ -20,7 +20,7 @@ from pipeclamp.cli import planning as cli_planning
 from pipeclamp.cli import simulation as cli_simulation
 from pipeclamp.cli import studio as cli_studio
 from pipeclamp.cli.commands import Commands
-from pipeclamp.cli.terminal import MARKED, console, errors, print_next
+from pipeclamp.cli.terminal import MARKED, errors, print_next, put
 from pipeclamp_models.base.errors import InterruptError, UsageError, UserError
 from pipeclamp_models.base.one_thread import one_thread_throughout
 from pipeclamp_models.base.said import message
@@ -51,7 +51,7 @@ def _tell_version(wanted: bool) -> None:
     if wanted:
         from pipeclamp_identification.fitting.identify import software
 
-        console().print(software(), highlight=False)
+        put(software())
         raise typer.Exit
 
 
@@ -76,7 +76,7 @@ def main() -> None:
         raise KeyboardInterrupt(str(error)) from error
     except (UserError, OSError) as error:
         told = f"pipeclamp: {error if isinstance(error, UserError) else message(str(error))}"
-        errors().print(told, style="red", markup=False, highlight=False, soft_wrap=True)
+        put(told, to=errors(), style="red")
         sys.exit(2 if isinstance(error, UsageError) else 1)
 
 
@@ -99,8 +99,8 @@ def demo(
 
     def tell(line: str) -> None:
         style = MARKED if is_doubt(line.strip()) else None
-        console().print(line, style=style, markup=False, highlight=False, soft_wrap=True)
+        put(line, style=style)
 
     for path in run_demo(folder, tell):
-        console().print(f"  open {path}", highlight=False)
+        put(f"  open {path}")
     print_next(AFTER_DEMO)

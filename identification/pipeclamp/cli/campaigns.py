@@ -15,8 +15,6 @@ from pipeclamp.cli.terminal import (
     LawArgument,
     StrictOption,
     command_called,
-    console,
-    errors,
     folder_option,
     is_stated,
     names_in,
@@ -24,10 +22,13 @@ from pipeclamp.cli.terminal import (
     opened_law,
     print_next,
     print_table,
+    put,
     told,
     values_in,
+    warn,
 )
 from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.said import counted
 
 app = typer.Typer()
 
@@ -152,10 +153,10 @@ def rig(
         notes = f"Virtual rig: {command_called()}"
         count = write_campaign(output, runs, name=output.name, notes=notes, format=format.value, progress=tell)
     for words in virtual.beyond_range(file, asked):
-        errors().print(f"warning: beyond the law's data: {words}", style="yellow", highlight=False, soft_wrap=True)
+        warn(f"beyond the law's data: {words}")
     if truth.whence:
         print_table(truth_table(truth))
-    console().print(f"{output}: {count} runs", highlight=False)
+    put(f"{output}: {counted(count, 'run')}")
     if drive is None:  # what a drive signal gives is one test more, for tests that aren't named here
         print_next(after_import(str(output)))
 
@@ -176,10 +177,10 @@ def join(
     with told("join") as tell:
         tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
         for entry in (entry for one in tests for entry in one.left_out):
-            errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+            warn(str(entry))
         notes = f"Joined of {', '.join(one.name for one in tests)}"
         count = write_campaign(
             output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell
         )
-    console().print(f"{output}: {count} runs", highlight=False)
+    put(f"{output}: {counted(count, 'run')}")
     print_next(after_import(str(output)))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pipeclamp.cli.terminal import DeclaredOption, JsonOption, console, print_table, spare
+from pipeclamp.cli.terminal import DeclaredOption, JsonOption, print_table, put, spare
 from pipeclamp_models.base.files import write_whole
 
 app = typer.Typer()
@@ -39,19 +39,19 @@ def effects(
         if json:
             write_whole(json, catalogue_answer(catalogue).json_text())
         print_table(shown.overview(catalogue), WIDTH)
-        console().print("One whole, with its equation, units, sizes and source: pipeclamp effects EFFECT")
+        put("One whole, with its equation, units, sizes and source: pipeclamp effects EFFECT")
         return
     one = find_effect(showable(names[0]), own)
     if json:
         write_whole(json, catalogue_answer([one]).json_text())
     for line in (shown.headline(one), shown.PARTS[one.part], "", "Equation", *shown.equation_words(one), ""):
-        console().print(line, highlight=False, markup=False)
+        put(line)
     symbols = shown.symbol_table(one)
     for table in (shown.parameter_table(one, reference_sizes([one])), *([symbols] if symbols.rows else [])):
         print_table(table, WIDTH)
-    console().print(f"Bounds and typical sizes are those for the bundled clamp {REFERENCE}.", highlight=False)
+    put(f"Bounds and typical sizes are those for the bundled clamp {REFERENCE}.")
     for line in shown.about_lines(one):
-        console().print(line, highlight=False, markup=False)
+        put(line)
 
 
 @app.command(epilog="Example: pipeclamp schema diagnosis > diagnosis.schema.json")

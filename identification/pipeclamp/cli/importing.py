@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeclamp.cli.campaigns import RecordFormat
-from pipeclamp.cli.terminal import JsonOption, ReportOption, console, errors, print_table, show, spare, told
+from pipeclamp.cli.terminal import JsonOption, ReportOption, note, print_table, put, show, spare, told, warn
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_folder
 
@@ -97,9 +97,9 @@ def import_command(
             progress=tell,
         )  # fmt: skip
     for entry in found.judged.left_out:
-        errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+        warn(str(entry))
     for words in found.notes():
-        errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
+        note(words)
     if report:
         write_whole(report, page(found))
     show(import_view(found, called), json)
@@ -116,9 +116,9 @@ def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:
 
     stated: list[Stated] = []
     for question in mapped.questions:
-        console().print(f"{where}: {question.why}", markup=False, highlight=False)
+        put(f"{where}: {question.why}")
         for number, choice in enumerate(question.choices, 1):
-            console().print(f"  {number}  {choice.text}", markup=False, highlight=False)
+            put(f"  {number}  {choice.text}")
         answer = typer.prompt("Which one? A number, or OURS=CHANNEL [unit]")
         if answer.isdigit() and 0 < int(answer) <= len(question.choices):
             answer = question.choices[int(answer) - 1].text
@@ -128,7 +128,7 @@ def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:
 
 def _may_be_left_out(unusable: UnusableFiles) -> bool:
     """Show which files can't be used, and ask whether the others are to be imported."""
-    console().print("\n  ".join([f"{unusable.heading()}:", *unusable.lines()]), markup=False, highlight=False)
+    put("\n  ".join([f"{unusable.heading()}:", *unusable.lines()]))
     try:
         return typer.confirm(f"Leave them out, and import the other {unusable.others}?", default=False)
     except typer.Abort:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeclamp.cli.terminal import errors, print_next
+from pipeclamp.cli.terminal import errors, print_next, put
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.so_far import SoFar
 from pipeclamp_models.base.errors import InterruptError
@@ -38,7 +38,7 @@ def climbed(
     so_far = SoFar(
         tell,
         keep=lambda law: write_whole(output, law_text(law)),
-        say=lambda words: errors().print(words, highlight=False, soft_wrap=True),  # in logs too: it may take minutes
+        say=lambda words: put(words, to=errors()),  # in logs too: it may take minutes
     )
     try:
         return add_until_settled(file, tests, progress=so_far.doing, climbed=so_far.come, **how)

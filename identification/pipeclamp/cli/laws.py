@@ -22,13 +22,13 @@ from pipeclamp.cli.terminal import (
     ReportOption,
     StrictOption,
     command_called,
-    console,
     file_option,
     folder_option,
     names_in,
     opened_law,
     print_next,
     print_table,
+    put,
     read_and_tell,
     show,
     spare,
@@ -101,7 +101,7 @@ def metrics(
         )
     show(view, json)
     if tests.has_loops and not (json or report):
-        console().print("Every run is in --json and --report.", highlight=False)
+        put("Every run is in --json and --report.")
     print_next(following)
 
 
@@ -162,7 +162,7 @@ def identify(
             }
             write_folder(output, ((f"{stem}.json", law_text(one).encode()) for stem, one in files.items()))
             print_table(per_group_table(per, files))
-            console().print(str(output), highlight=False)
+            put(str(output))
             print_next(after_group_laws([str(output / f"{stem}.json") for stem in files], str(campaign)))
             return
         found = tests.identify(
@@ -302,7 +302,7 @@ def diagnose(
     if auto:
         write_whole(auto, law_text(file))
     for line in rungs:
-        console().print(line, highlight=False)
+        put(line)
     show(view, json)
 
 
@@ -396,7 +396,7 @@ def _change(
         print_table(addition_table(step))
     _print_fit(changed, output)
     if title == "add" and (words := vain_words(changed.history, len(steps))):
-        console().print(words, highlight=False)
+        put(words)
         added = [name for name in changed.effects if name not in file.effects]
         print_next(after_vain_addition(law, str(output), added, str(campaign)))
         return
@@ -414,7 +414,7 @@ def _print_fit(file: Any, output: Path) -> None:
     from pipeclamp.show.law import doubts, fit_words
 
     for line in doubts(file):
-        console().print(line, highlight=False, markup=False)
+        put(line)
     if file.fit:
-        console().print(fit_words(file.fit), highlight=False)
-    console().print(str(output), highlight=False)
+        put(fit_words(file.fit))
+    put(str(output))

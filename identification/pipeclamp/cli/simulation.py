@@ -17,12 +17,12 @@ from pipeclamp.cli.terminal import (
     LawArgument,
     ReportOption,
     command_called,
-    console,
     errors,
     file_option,
     names_in,
     opened_law,
     print_next,
+    put,
     say,
     spare,
     told,
@@ -134,8 +134,8 @@ def build_fmu(
         file = opened_law(law)
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
         held = passivity(clamp_model(file, start), file).words()
-    console().print(f"law {file.name} {held}", markup=False, highlight=False)
-    console().print(f"{output}: {made}", highlight=False)
+    put(f"law {file.name} {held}")
+    put(f"{output}: {made}")
     say([after_clamp_fmu(str(output)).words()])
 
 
@@ -153,7 +153,7 @@ def set_parameters(
     with told("set-parameters"):
         file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
-    console().print(f"{output or fmu}: parameters of {file.name}", highlight=False)
+    put(f"{output or fmu}: parameters of {file.name}")
     say([after_clamp_fmu(str(output or fmu)).words()])
 
 
@@ -176,8 +176,8 @@ def build_pipe(
         reduced = reduce(read_pipe(pipe))
         made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
     for line in reduced.summary().splitlines():
-        console().print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
-    console().print(f"{output}: {made}", highlight=False)
+        put(line, style="bold red" if line.startswith("UNSTABLE") else None)
+    put(f"{output}: {made}")
     say([after_pipe_fmu(str(output)).words()])
 
 
@@ -285,17 +285,16 @@ def system_structure(
     spare(system, outputs=(output,))
     with told("system") as tell:
         found = write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE, tell)
-    console().print(f"{output}: SSP 1.0, {kind.value}")
+    put(f"{output}: SSP 1.0, {kind.value}")
     if found.step is None:
         masters = f"masters that couple in parallel, as most do, in no step down to {found.tried:.3g} s"
         say([doubt(f"{masters}; use a master that iterates, or pipeclamp cosim")])
     else:
         how = "" if found.step == found.tried else f"; foretold from {found.tried!r} s"
-        console().print(
+        put(
             f"most masters couple in parallel: give them steps of {found.step!r} s or less{how}, in which the "
             f"displacement errs by {found.error:.1%}; libcosim reads the step from the SSP",
-            highlight=False, markup=False, soft_wrap=True,
-        )  # fmt: skip
+        )
     print_next(after_packaging(str(system)))
 
 

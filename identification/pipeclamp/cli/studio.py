@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pipeclamp.cli.terminal import console, told
+from pipeclamp.cli.terminal import put, told
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_parent
 
@@ -52,6 +52,6 @@ def studio(
         desk = Desk(output or default_home(campaign), campaign)
 
     def say(url: str) -> None:
-        console().print(url, highlight=False, soft_wrap=True)
+        put(url)
 
     serve(desk, host, port, say, browser=not no_browser)

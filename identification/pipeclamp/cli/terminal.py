@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 WIDE = 150
 COMMAND = ": pipeclamp "
 """What a line holds that ends with a command."""
-FOLDED = 5
-"""Letters, into which a sentence's longest word may be folded where a table would be too wide else."""
 MARKED = "bold red"
 """Style of what isn't to be trusted."""
 
@@ -184,10 +182,7 @@ def opened_law(name_or_path: str) -> LawFile:
         raise UserError(f"{name_or_path}: a campaign; expected a law there: the law comes first, the tests after it")
     file = open_law(name_or_path)
     if is_newer(file, own := version("pipeclamp")):
-        errors().print(
-            f"note: {name_or_path} was made by {file.software}, this is {own}; update, or check what it gives here",
-            markup=False, highlight=False, soft_wrap=True,
-        )  # fmt: skip
+        note(f"{name_or_path} was made by {file.software}, this is {own}; update, or check what it gives here")
     return file
 
 
@@ -211,63 +206,66 @@ def show(view: View, json_path: Path | None) -> None:
         write_whole(json_path, view.answer.json_text())
     for table in view.tables:
         print_table(table)
-    for line in view.lines:
-        # a command is copied as it stands
-        console().print(line, highlight=False, markup=False, soft_wrap=COMMAND in line)
+    say(view.lines)
+
+
+def put(line: str, *, to: Console | None = None, style: str | None = None) -> None:
+    """Print a line; on a terminal broken between words, and what goes on below its beginning.
+
+    A command stays in one line, as it is copied; so does a path, being one word.
+    """
+    from pipeclamp.show.layout import hanging
+
+    target = to or console()
+    broken = hanging(line, target.width) if target.is_terminal and COMMAND not in line else line
+    target.print(broken, style=style, highlight=False, soft_wrap=True)
+
+
+def warn(words: str) -> None:
+    """Print on stderr what a user should look at."""
+    put(f"warning: {words}", to=errors(), style="yellow")
+
+
+def note(words: str) -> None:
+    """Print on stderr what is good to know."""
+    put(f"note: {words}", to=errors())
 
 
 def print_next(following: str) -> None:
     """Print the command to run next, in one line, as it is copied."""
-    console().print(f"Next: {following}", highlight=False, markup=False, soft_wrap=True)
+    put(f"Next: {following}")
 
 
-def say(lines: Sequence[str], *, soft_wrap: bool = True) -> None:
+def say(lines: Iterable[str]) -> None:
     """Print what came out, and on stderr what isn't to be trusted: a mark on a page stands on the terminal too."""
     for line in lines:
         doubtful = is_doubt(line)
-        shown, style = (errors(), MARKED) if doubtful else (console(), None)
-        wrap = soft_wrap or doubtful
-        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=wrap)
+        put(line, to=errors() if doubtful else None, style=MARKED if doubtful else None)
 
 
 def print_table(table: Table, width: int | None = None) -> None:
-    """Print a table, in no more than so many columns."""
+    """Print a table, in no more than so many columns; one that is too wide by its numbers alone row by row."""
     from rich.table import Table as RichTable
     from rich.text import Text
 
+    from pipeclamp.show.layout import layout, listed
     from pipeclamp.show.table import cell
 
+    room = min(width or console().width, console().width)
     texts = [[printable(cell(value), keep="\n") for value in row] for row in table.rows]
     numeric = [any(isinstance(row[index], float) for row in table.rows) for index in range(len(table.header))]
-    narrow = _narrow(table.header, texts, numeric, width or console().width)
-    shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
-    for index, head in enumerate(table.header):
-        # a name is typed as it stands, so it stays on one line
-        name = index == 0 and all(" " not in row[0] for row in texts)
-        justify: Literal["left", "right"] = "right" if numeric[index] else "left"
-        shown.add_column(head, justify=justify, overflow="fold", no_wrap=name, width=narrow.get(index))
-    for row in texts:
+    laid = layout(table.header, texts, numeric, room)
+    if laid is None:
+        for line in listed(table.header, texts, table.caption, room):
+            console().print(line, highlight=False)
+        return
+    look: dict[str, Any] = {} if laid.ruled else {"box": None, "pad_edge": False}
+    shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic", **look)
+    for head, number, size in zip(laid.header, numeric, laid.widths, strict=True):
+        shown.add_column(head, justify="right" if number else "left", no_wrap=True, width=size)
+    for row in laid.rows:
         shown.add_row(*map(Text, row))
-    console().print(shown, highlight=False, width=width)
-
-
-def _narrow(
-    header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[bool], width: int
-) -> dict[int, int]:
-    """Give the columns that are made as narrow as their longest word, by place; sentences take what is left.
-
-    None where the table isn't too wide, holds no sentences beside its first column, or is too wide by its words alone.
-    """
-    columns = [[head, *(row[index] for row in rows)] for index, head in enumerate(header)]
-    borders = 3 * len(columns) + 1
-    if sum(max(map(len, column)) for column in columns) + borders <= width or all(numeric[1:]):
-        return {}
-    least = [max(len(word) for text in column for word in text.split() or [""]) for column in columns]
-    whole = [index for index in range(len(columns)) if index == 0 or numeric[index]]
-    sentences = sum(min(size, FOLDED) for index, size in enumerate(least) if index not in whole)
-    if sum(least[index] for index in whole) + sentences + borders > width:
-        return {}
-    return {index: least[index] for index in whole}
+    console().print(shown, highlight=False, width=room)
 
 
 def names_in(text: str) -> tuple[str, ...]:
@@ -329,7 +327,7 @@ def read_and_tell(folder: Path, strict: bool, tell: Tell, *, free: bool = False)
     if not free:
         tests = tests.of_sines()
     for entry in tests.left_out:
-        errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+        warn(str(entry))
     for words in tests.remarks:
-        errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
+        note(words)
     return tests

@@ -19,6 +19,7 @@ from pipeclamp.show.imported import (
     imported_runs_table,
     left_out_table,
 )
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.importing.answer import Found
 from pipeclamp_identification.importing.looked_at import CYCLES, ShownLoop
 from pipeclamp_identification.importing.plan import Overview
@@ -51,12 +52,11 @@ def import_sections(found: Found, called: Sequence[str] = ()) -> list[Section]:
     """Give the sections of an import's page; `called` as for `import_page`."""
     answer = found.answer()
     head, *lines = import_lines(found, answer, called)
-    lines = [f"{line[0].upper()}{line[1:]}." for line in lines]
     notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.judged.left_out)]
     sections = [
         Section(
             "What was imported",
-            [head, *lines, *notes],
+            [head, *map(sentence, lines), *notes],
             [columns_table(found.imported.files)],
             command=following_import(found, answer, called),
         ),

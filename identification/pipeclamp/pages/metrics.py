@@ -32,8 +32,8 @@ def _study_section(study: Variation, loops: Loops, metrics: Metrics) -> Section:
     ]
     places = [value for value, row in zip(study.values, study.published, strict=True) if row]
     beside_them = [
-        ("published dW", places, [row.dissipated_energy_J for row in published], "markers"),
-        ("published W", places, [row.max_elastic_energy_J for row in published], "markers"),
+        ("paper dW", places, [row.dissipated_energy_J for row in published], "markers"),
+        ("paper W", places, [row.max_elastic_energy_J for row in published], "markers"),
     ]
     return Section(
         f"Against {axis}",

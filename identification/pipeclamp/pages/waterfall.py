@@ -113,9 +113,7 @@ def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis
     figure.update_xaxes(tickangle=0, type="category")
     figure.update_yaxes(title_text=axis, rangemode="tozero")
     figure = styled(figure, title, least_width=min(BESIDE + RUNG_WIDTH * len(rungs), WIDEST))
-    return figure.update_layout(
-        showlegend=len(names) > 1, margin={"r": 70, "b": 105}, bargap=0.25 if rungs[1:] else 0.75
-    )
+    return figure.update_layout(showlegend=True, margin={"r": 70, "b": 105}, bargap=0.25 if rungs[1:] else 0.75)
 
 
 def _below_each_other(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
@@ -153,11 +151,11 @@ def _below_each_other(rungs: Sequence[Rung], scatter: float | None, title: str, 
             annotation={"text": f"scatter {100 * scatter:.2g} %", "y": 1.0, "yanchor": "bottom", "xanchor": "left"},
         )  # fmt: skip
     figure.update_yaxes(range=[below - 0.5, -0.7], visible=False)
-    legend = 20 * len(names) if len(names) > 1 else 0
+    legend = 20 * len(names)
     figure = styled(figure, title, height=round(130 + legend + LINE_HEIGHT * below))
     figure.update_xaxes(title_text=axis, range=[0, 125 * max(most, scatter or 0.0) or 1.0])
     figure.update_yaxes(automargin=False)
-    legend_look = {"showlegend": len(names) > 1, "legend": {"traceorder": "normal", "orientation": "v"}}
+    legend_look = {"showlegend": True, "legend": {"traceorder": "normal", "orientation": "v"}}
     return figure.update_layout(margin={"l": 10, "r": 10, "t": 70, "b": 55 + legend}, **legend_look)
 
 

@@ -16,6 +16,7 @@ from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_identification.loops.loops import PRELOADED
 from pipeclamp_identification.workflow.along_free import along_free
+from pipeclamp_models.base.said import counted
 
 RUNS_PRINTED = 8
 """Runs that a terminal shows, worst first."""
@@ -28,7 +29,7 @@ def how_much(comparison: Comparison) -> list[str]:
     """Say how much the law errs, and what of it is scatter."""
     if not comparison.free:
         return _errs(comparison, "")
-    free = f"RMS error {overall_nrmse(comparison.free):.2%} of RMS force over {_runs(len(comparison.free))}"
+    free = f"RMS error {overall_nrmse(comparison.free):.2%} of RMS force over {counted(len(comparison.free), 'run')}"
     words = [f"{free} of free motion; {along_free(comparison.free).scatter_words()}."]
     words += [f"{_MEAN_TAKEN}: {run.run}." for run in comparison.free if run.adrift]
     return [*words, *(_errs(comparison, " of sines") if comparison.runs else [])]
@@ -40,16 +41,12 @@ def found_words(comparison: Comparison) -> list[str]:
     return [*where_words(comparison), *([along_free(comparison.free).words()] if alone else [])]
 
 
-def _runs(count: int) -> str:
-    return f"{count} run{'s' if count > 1 else ''}"
-
-
 def _errs(comparison: Comparison, which: str) -> list[str]:
     """Say how much the law errs on sines."""
     runs, single = len(comparison.runs), comparison.single_cycles
     error, mean = overall_nrmse(comparison.runs), comparison.loops.mean_share
     noise = None if single == runs else comparison.noise_nrmse
-    errs = f"RMS error {error:.2%} of RMS force over {_runs(runs)}{which}"
+    errs = f"RMS error {error:.2%} of RMS force over {counted(runs, 'run')}{which}"
     if noise is None:
         words = [f"{errs}; {SINGLE_CYCLES}."]
     else:
@@ -72,13 +69,22 @@ def worst_table(comparison: Comparison, most: int | None = None) -> Table:
             *(condition.level_of(row).label for condition in further),
             100 * comparison.runs[row].nrmse,
             100 * comparison.runs[row].noise_nrmse if comparison.sums[row].scatter_known else None,
-            comparison.outside.get(comparison.runs[row].run, ""),
+            *_outside(comparison, comparison.runs[row].run),
         )
         for row in comparison.worst_first()[:most]
     ]
     conditions = ("A / mm", "f / Hz", "T / °C", *(condition.title for condition in further))
-    header = ("run", *conditions, "error / %", "scatter / %", "outside the law's range")
+    header = ("run", *conditions, "error / %", "scatter / %", *_outside_head(comparison))
     return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
+
+
+def _outside_head(comparison: Comparison) -> tuple[str, ...]:
+    """Give the head of a column for what lies outside the law's range, where something does."""
+    return ("outside the law's range",) if comparison.outside else ()
+
+
+def _outside(comparison: Comparison, run: str) -> tuple[str, ...]:
+    return (comparison.outside.get(run, ""),) if comparison.outside else ()
 
 
 def free_table(comparison: Comparison) -> Table:
@@ -91,13 +97,13 @@ def free_table(comparison: Comparison) -> Table:
             float(np.max(np.abs(run.v))),
             run.came_from,
             100 * run.nrmse,
-            comparison.outside.get(run.run, ""),
+            *_outside(comparison, run.run),
         )
         for run in comparison.worst_free_first()
     ]
     header = (
         "run of free motion", "duration / s", "farthest / mm", "fastest / mm/s", "came from / mm", "error / %",
-        "outside the law's range",
+        *_outside_head(comparison),
     )  # fmt: skip
     caption = "error as a share of the run's rms force; worst first; where the law's memory isn't unloaded: came from"
     return Table(header, rows, caption)

@@ -12,6 +12,7 @@ from pipeclamp_identification.campaign.description import ImportedColumn, Import
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.shell import quoted, shell_line
 
 MOST_NAMED = 3
@@ -75,16 +76,16 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
     done = "" if found.written else " (nothing is written)"
     if not answer.new_files:
         head = (
-            f"{found.folder}: nothing to do, {_counted(len(answer.known_files), 'file')} named and there already; "
+            f"{found.folder}: nothing to do, {counted(len(answer.known_files), 'file')} named and there already; "
             "options count for new files alone; to import these anew with others, name another folder by -o"
         )
     else:
-        files = _counted(len(answer.new_files), "file")
-        head = f"{found.folder}: {_counted(new, 'run')} of {files}{_known(answer)}{done}"
+        files = counted(len(answer.new_files), "file")
+        head = f"{found.folder}: {counted(new, 'run')} of {files}{_known(answer)}{done}"
     lines = [head]
     if answer.left_out_files:
         count = len(answer.left_out_files)
-        lines.append(f"{_counted(count, 'file')} left out, for {'it' if count == 1 else 'they'} can't be used")
+        lines.append(f"{counted(count, 'file')} left out, for {'it' if count == 1 else 'they'} can't be used")
     if answer.cut:
         why = Counter(one.why for one in answer.cut)
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
@@ -144,12 +145,8 @@ def _again(found: Found, answer: ImportAnswer, called: Sequence[str]) -> str:
     return shell_line(*words, "--pattern", answer.pattern)
 
 
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
-
-
 def _counted_of(some: int, count: int) -> str:
-    return _counted(count, "run") if some == count else f"{some} of {count} runs"
+    return counted(count, "run") if some == count else f"{some} of {count} runs"
 
 
 def _known(answer: ImportAnswer) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
-from pipeclamp_identification.comparison.sentences import about_mean
-from pipeclamp_identification.fitting.groups_answer import per_group_words
+from pipeclamp_identification.comparison.sentences import about_mean, sentence
+from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.workflow.change import ADDED, STILL_AS_GOOD, Addition
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
@@ -72,7 +72,8 @@ def doubts(file: LawFile) -> list[str]:
             f"On {file.fit.unsettled} of the cycles that the law was fitted to, its memory doesn't become periodic: "
             "the force that was compared there is that of one repetition among others."
         )
-    return [*lines, *per_group_words(file.groups or ())]
+    groups = per_group_words(file.groups or ())
+    return [*lines, *groups, *([sentence(LEFT_OUT_BESIDE)] if groups else [])]
 
 
 def per_group_table(column: str, files: Mapping[str, LawFile]) -> Table:

@@ -10,6 +10,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.metrics_only.campaign import SCATTER
 from pipeclamp_identification.metrics_only.comparison_answer import metric_comparison_answer
 from pipeclamp_identification.metrics_only.law import MetricComparison, rms
+from pipeclamp_models.base.said import counted
 
 
 def metric_worst_table(comparison: MetricComparison, most: int | None = None) -> Table:
@@ -21,23 +22,33 @@ def metric_worst_table(comparison: MetricComparison, most: int | None = None) ->
         rows.append(
             (
                 run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, 100 * float(dissipated),
-                100 * float(elastic), comparison.outside.get(run.name, ""),
+                100 * float(elastic), *([comparison.outside.get(run.name, "")] if comparison.outside else []),
             )
         )  # fmt: skip
-    header = ("run", "A / mm", "f / Hz", "T / °C", "dW / %", "W / %", "outside the law's range")
+    header = (
+        "run",
+        "A / mm",
+        "f / Hz",
+        "T / °C",
+        "dW / %",
+        "W / %",
+        *(["outside the law's range"] if comparison.outside else []),
+    )
     return Table(header, rows, "100 log(measured/computed), worst first")
 
 
 def metric_comparison_words(comparison: MetricComparison) -> list[str]:
     """Say how much a law errs."""
     dissipated, elastic = (rms(column) for column in comparison.logs.T)
+    runs = counted(len(comparison.campaign.runs), "run")
     words = [
-        f"The law errs by {comparison.nrmse:.2%} over {len(comparison.campaign.runs)} runs, {dissipated:.2%} in dW and "
-        f"{elastic:.2%} in W (rms of log ratios). Metrics without records say nothing of the place in the loop, of "
-        f"harmonics, or of scatter from cycle to cycle; about {SCATTER:.0%} is usual between runs."
+        f"The law errs by {comparison.nrmse:.2%} over {runs}, {dissipated:.2%} in dW and {elastic:.2%} in W (rms of "
+        "log ratios). Metrics without records say nothing of the place in the loop, of harmonics, or of scatter from "
+        f"cycle to cycle; about {SCATTER:.0%} is usual between runs."
     ]
     if comparison.outside:
-        words.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
+        lie = f"{counted(len(comparison.outside), 'run')} {'lies' if len(comparison.outside) == 1 else 'lie'}"
+        words.append(f"{lie} outside the range in which the law was identified.")
     return [*words, *(f"Left out: {entry}." for entry in comparison.campaign.left_out)]
 
 

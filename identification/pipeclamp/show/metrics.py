@@ -14,6 +14,7 @@ from pipeclamp_identification.loops.one_condition import Variation, principal_va
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.metrics_answer import metric_rows_answer
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -47,8 +48,7 @@ def metrics_words(metrics: Metrics) -> str:
         (metrics.stiffness_N_mm, "stiffness {} N/mm"),
     )
     told = [words.format(_range(values)) for values, words in ranges]
-    count = len(metrics.loss_factor)
-    return f"{count} run{'s' if count > 1 else ''}: {', '.join(told)}."
+    return f"{counted(len(metrics.loss_factor), 'run')}: {', '.join(told)}."
 
 
 def _range(values: Array) -> str:
@@ -80,7 +80,7 @@ def study_table(study: Variation, metrics: Metrics) -> Table:
     published = [row for row in study.published if row is not None]
     header = [axis_of(study), "dW / J", "W / J", "eta", "k / N/mm"]
     if published:
-        header += ["published dW / J", "published W / J", "published eta"]
+        header += ["paper dW / J", "paper W / J", "paper eta"]
     rows: list[list[str | float | None]] = []
     for value, row, beside in zip(study.values, study.rows, study.published, strict=True):
         entries: list[str | float | None] = [
@@ -95,11 +95,11 @@ def study_table(study: Variation, metrics: Metrics) -> Table:
                 [beside.dissipated_energy_J, beside.max_elastic_energy_J, beside.loss_factor] if beside else [None] * 3
             )
         rows.append(entries)
-    of = f"; published: {PUBLISHED}" if published else ""
+    of = f"; paper: {PUBLISHED}" if published else ""
     return Table(header, rows, f"Loop metrics {title_of(study)}{of}")
 
 
-PUBLISHED = "of the specimen of Jiang et al. 2020, Tables 2-5, at these conditions, no measurement of this campaign"
+PUBLISHED = "the specimen of Jiang et al. 2020, Tables 2-5, at these conditions; no measurement of this campaign"
 
 AXES = {
     "frequency_Hz": "f / Hz",
@@ -145,5 +145,5 @@ def metrics_view(campaign: Campaign, loops: Loops) -> View:
 
 def metric_rows_view(campaign: MetricCampaign) -> View:
     """Tell metrics that were stated without records."""
-    lines = (f"{len(campaign.runs)} runs, known by their metrics alone",)
+    lines = (f"{counted(len(campaign.runs), 'run')}, known by metrics alone",)
     return View(metric_rows_answer(campaign), [metric_table(campaign)], lines)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
 from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
@@ -81,7 +82,7 @@ def band_plan_words(plan: BandPlan, drive: Path | None = None) -> list[str]:
     stays = "mountings and the law's form stay" if plan.floor.shares["form"] >= TOLD else "mountings stay"
     lines.append(f"No number of such tests goes below {at_best}: {stays}.")
     last = plan.tests[-1].amplitude if plan.tests else amplitude
-    lines += [f"{line[0].upper()}{line[1:]}." for line in origin_words("the peak then", last)]
+    lines += map(sentence, origin_words("the peak then", last))
     for law, words in plan.limits.items():
         lines.append(f"Sought for {law} within {words}; noise of the force: {plan.noise[law]}.")
     if drive and plan.tests:

@@ -11,6 +11,7 @@ from pipeclamp_identification.attribution.answer import system_comparison_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
 from pipeclamp_identification.attribution.verdict import FEWEST, PLAUSIBLE_NOISE_NRMSE, Attribution, Candidate
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
@@ -25,9 +26,9 @@ def attribution_words(found: Attribution | None, proposal: NextMeasurement | Non
         return [f"Which parameter may be wrong is asked of {FEWEST} measured values at least."]
     words = [_headline(found)]
     if found.verdict in ("wrong", "ambiguous"):
-        words += [f"{capital(entry.told())}. {_left(entry, found)}" for entry in found.named]
+        words += [f"{sentence(entry.told())} {_left(entry, found)}" for entry in found.named]
     if found.kind == "part":
-        words.append(f"{capital(NO_PROOF)}.")
+        words.append(sentence(NO_PROOF))
     if found.verdict == "ambiguous":
         kinds = {suspect.kind for suspect in found.suspects}
         if len(kinds) == 1:
@@ -61,31 +62,26 @@ def _headline(found: Attribution) -> str:
     names = [entry.words for entry in found.named]
     match found.verdict:
         case "wrong" if found.kind == "part":
-            return f"part of what is wrong: {names[0]}."
+            return f"Part of what is wrong: {names[0]}."
         case "ambiguous" if found.kind == "part":
             which = "; ".join(names)
-            return f"ambiguous: one of these is part of what is wrong, and this measurement can't tell which: {which}."
+            return f"Ambiguous: one of these is part of what is wrong, and this measurement can't tell which: {which}."
         case "complete":
-            return "complete: nothing is found wrong with pipe, clamps or measurement; what is left is noise."
+            return "Complete: nothing is found wrong with pipe, clamps or measurement; what is left is noise."
         case "wrong":
-            return f"wrong: {names[0]}."
+            return f"Wrong: {names[0]}."
         case "ambiguous":
-            return f"ambiguous: one of these is wrong, and this measurement can't tell which: {'; '.join(names)}."
+            return f"Ambiguous: one of these is wrong, and this measurement can't tell which: {'; '.join(names)}."
         case "unknown" if found.branch_unknown:
-            return "unknown: no parameter errs where it is known which of the model's motions was measured."
+            return "Unknown: no parameter errs where it is known which of the model's motions was measured."
         case "unknown" if found.noise_unknown:
-            return "unknown: no parameter takes clearly more than chance does, and what is left may be noise or not."
+            return "Unknown: no parameter takes clearly more than chance does, and what is left may be noise or not."
         case "unknown":
-            return "unknown: something is wrong that no one or two parameters of pipe, clamps and measurement explain."
+            return "Unknown: something is wrong that no one or two parameters of pipe, clamps and measurement explain."
 
 
 def _left(entry: Candidate, found: Attribution) -> str:
     return f"With it the error falls from {found.stated.nrmse:.2%} to {entry.nrmse:.2%}."
-
-
-def capital(text: str) -> str:
-    """Give a sentence with a capital."""
-    return text[:1].upper() + text[1:]
 
 
 def candidate_table(found: Attribution, most: int | None = None) -> Table:

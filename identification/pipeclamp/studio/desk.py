@@ -101,14 +101,21 @@ class Desk:
             made = law if job.result.get("law") else None
             opened.project.note(Step(command=task.command, law=made, of=task.law))
 
+        # a ladder keeps its best law on the way
+        begun = Step(command=task.command, law=law, of=task.law, stopped=task.kind == "climb")
+
         def over(job: Job | None) -> None:
             if law is None:
                 return
             opened.project.release(law)
-            if job and job.stopped and law in opened.project.laws():  # what a ladder had come to
-                opened.project.note(Step(command=task.command, law=law, of=task.law))
+            if job and job.stopped and law in opened.project.laws():
+                opened.project.note(begun)
                 job.says, job.result = f"stopped; {law} holds what was added until then", {"law": law}
+            elif not (job and job.result.get("law")):
+                opened.project.forget(begun)
 
+        if law is not None:
+            opened.project.begin(begun)
         return self.jobs.start(opened.key, task, noted, over)
 
 

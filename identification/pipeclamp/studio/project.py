@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -48,6 +48,11 @@ class Project:
             raise UserError(f"{folder}: can't be made ({error.strerror}); expected a folder for laws") from error
         self._session = self._read()
         self._reserved: set[str] = set()
+        for step in self._session.begun:  # the studio was killed
+            if step.law in self._written():
+                self.note(step)
+            else:
+                self.forget(step)
 
     def _read(self) -> Session:
         path = self.folder / SESSION
@@ -133,9 +138,20 @@ class Project:
 
     def note(self, step: Step) -> None:
         """Remember what was done."""
+        self._change(lambda session: {"steps": (*session.steps, step), "begun": _without(session, step)})
+
+    def begin(self, step: Step) -> None:
+        """Remember what is being done, as it will have been done where the studio is killed."""
+        self._change(lambda session: {"begun": (*session.begun, step)})
+
+    def forget(self, step: Step) -> None:
+        """Forget what was begun: it made no law."""
+        self._change(lambda session: {"begun": _without(session, step)})
+
+    def _change(self, changed: Callable[[Session], Mapping[str, tuple[Step, ...]]]) -> None:
         with self._lock:
             session = self._read()
-            self._session = session.model_copy(update={"steps": (*session.steps, step)})
+            self._session = session.model_copy(update=changed(session))
             write_whole(self.folder / SESSION, self._session.model_dump_json(indent=1, by_alias=True) + "\n")
 
     @property
@@ -154,6 +170,11 @@ class Project:
         file = self.law(name)
         before = [other for other in laws[: laws.index(name)] if _precedes(self.law(other), file)]
         return max(reversed(before), key=lambda other: len(self.law(other).effects), default=None)
+
+
+def _without(session: Session, step: Step) -> tuple[Step, ...]:
+    """Give what was begun, without what makes this step's law."""
+    return tuple(one for one in session.begun if one.law != step.law)
 
 
 def _precedes(one: LawFile, other: LawFile) -> bool:

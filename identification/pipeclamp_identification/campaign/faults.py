@@ -9,6 +9,7 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.records import UnusableRecord
 from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.base.said import counted
 
 Channel = Literal["force", "displacement"]
 FaultKind = Literal["clipped", "stuck", "dead", "zero_drift", "gain_drift"]
@@ -68,7 +69,7 @@ def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[S
     found = []
     for (channel, kind), members in together.items():
         sizes = [abs(failure.size) for _, failure in members if failure.size is not None]
-        count = f"{len(members)} run{'s' if len(members) > 1 else ''}"
+        count = counted(len(members), "run")
         words = (
             f"the {channel} channel is {kind} in {count} ({named([run for run, _ in members])}): {members[0][1]}; left "
             f"out; {NEEDS[kind]}"

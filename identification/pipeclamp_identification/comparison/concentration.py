@@ -25,6 +25,7 @@ from pipeclamp_identification.comparison.sums import RunSums
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.levels import Level
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import counted
 
 PLACE_SETS = (
     ((0,), "just after the reversals"),
@@ -154,7 +155,7 @@ def farthest_off(sums: Sequence[RunSums], conditions: Sequence[Condition], nrmse
     scatter = part.noise_nrmse
     if worst < FARTHER_OFF * max(nrmse, scatter or 0.0):
         return ""
-    runs = f"{part.runs} run{'s' if part.runs > 1 else ''}"
+    runs = counted(part.runs, "run")
     of_it = "" if scatter is None else f"; scatter makes {scatter:.2%}"
     at = _interval_words(condition, condition.levels, place, place)
     return f"{at} the law errs by {worst:.2%} of the force there ({runs}){of_it}"

@@ -43,7 +43,7 @@ COMPONENTS = (
     "mean force",
     "in step with the displacement (stiffness)",
     "in step with the velocity (damping)",
-    "in step with neither",
+    "in step with neither displacement nor velocity",
 )
 
 

@@ -47,6 +47,7 @@ from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import Kind, Verdict
 from pipeclamp_models.law.law import Structure
 
@@ -164,8 +165,9 @@ def diagnose(
     tell = progress or (lambda _: None)
     loops = loops or loops_of(campaign)
     if len(loops.run) < FEWEST_RUNS:
-        runs = "1 run" if len(loops.run) == 1 else f"{len(loops.run)} runs"
-        raise UserError(f"{runs} can't show what a law lacks; expected at least {FEWEST_RUNS}")
+        raise UserError(
+            f"{counted(len(loops.run), 'run')} can't show what a law lacks; expected at least {FEWEST_RUNS}"
+        )
     tell("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)

@@ -10,7 +10,13 @@ from pydantic import Field
 
 from pipeclamp_identification.fitting.groups import Groups, Quantity
 from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import GroupEntry
+
+LEFT_OUT_BESIDE = (
+    "errors on left-out conditions are told without these differences, the error on the runs used with them"
+)
+"""How the two errors of a law are to be read where groups of its runs differ."""
 
 
 class EstimateAnswer(AnswerModel):
@@ -97,13 +103,13 @@ def per_group_words(entries: Sequence[GroupEntry]) -> tuple[str, ...]:
     lines = []
     for entry in entries:
         parts = [
-            f"{name} {estimate.value - 1:+.2%} ± {100 * estimate.standard_error:.1g} %"
+            f"{name} {_percent(estimate.value, estimate.standard_error)}"
             for name, estimate in (("stiffness", entry.stiffness_factor), ("damping", entry.damping_factor))
             if estimate
         ]
         if entry.mean_force_N:
             parts.append(f"mean force {entry.mean_force_N.value:+.3g} ± {entry.mean_force_N.standard_error:.1g} N")
-        runs = f"{entry.runs} run{'s' if entry.runs > 1 else ''}"
+        runs = counted(entry.runs, "run")
         lines.append(f"{entry.column} {entry.name} ({runs}) against the law: {', '.join(parts)}.")
     return tuple(lines)
 
@@ -142,9 +148,13 @@ def _differ_words(one: Groups, kinds: str) -> str:
         if quantity == "mean_force":
             shown = [f"{name} {value:+.3g} ± {error:.1g} N" for name, value, error in rows]
         else:
-            shown = [f"{name} {value - 1:+.2%} ± {100 * error:.1g} %" for name, value, error in rows]
+            shown = [f"{name} {_percent(value, error)}" for name, value, error in rows]
         parts.append(f"{quantity.replace('_', ' ')} ({', '.join(shown)})")
     return (
         f"the runs differ by {kinds}, beside their conditions, in {'; in '.join(parts)}; the law stands for the one in "
-        "the middle, and physics is judged on what is left"
+        f"the middle, and physics is judged on what is left; {LEFT_OUT_BESIDE}"
     )
+
+
+def _percent(factor: float, error: float) -> str:
+    return f"{100 * (factor - 1):+.2f} ± {100 * error:.1g} %"

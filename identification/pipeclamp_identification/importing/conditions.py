@@ -45,6 +45,8 @@ LETTERS = {
     "temp": "temperature_C",
 }  # fmt: skip
 """Letters before numbers in names of files."""
+UNIT = re.compile(r"[ _]?(degC|[A-Za-z]+)")
+"""What may be the unit of the number before it."""
 BEGINS_A_NUMBER = re.compile(r"[ _]+[A-Za-z]+")
 """What stands between two numbers and belongs to the second: the A of 01_A0.5 is no unit of 01."""
 
@@ -162,18 +164,24 @@ def guessed_pattern(
         return ""
     first, last = most[0], most[-1]
     begin = re.search(r"[A-Za-z]*[_=]?$", pieces[first])
-    end = re.match(r"[ _]?[A-Za-z]*", pieces[last + 1])
     middle = "".join(
         (f"{{{fields[place]}}}" if fields[place] else numbers[place][0]) + (pieces[place + 1] if place < last else "")
         for place in range(first, last + 1)
     )
-    return (begin[0] if begin else "") + middle + (end[0] if end else "")
+    return (begin[0] if begin else "") + middle + _unit_of(fields[last], pieces[last + 1])
+
+
+def _unit_of(field: str, after: str) -> str:
+    """Give a field's unit as it begins what stands behind it; "" where another number's letters do, as in "f3_A0.5"."""
+    unit = UNIT.match(after)
+    told = unit is not None and (GUESSED.get(unit[1].casefold()) == field or field.endswith(f"_{unit[1]}"))
+    return unit[0] if unit and told else ""
 
 
 def _meant(before: str, texts: Sequence[str], after: str) -> str:
     """Give the field that numbers in names of files fill, by what stands around them; "" where that tells nothing."""
     letters = re.search(r"([A-Za-z]*)[_=]?$", before)
-    unit = re.match(r"[ _]?(degC|[A-Za-z]+)", after)
+    unit = UNIT.match(after)
     varies = len(set(texts)) > 1
     if unit and (varies or unit[1] not in SMALL) and (field := GUESSED.get(unit[1].casefold())):
         return field

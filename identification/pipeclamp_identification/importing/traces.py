@@ -17,6 +17,7 @@ from pipeclamp_identification.importing.samples.repair import mended_channel
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -127,7 +128,7 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     if len(places) < len(kept):
         values = {name: samples[kept] for name, samples in values.items()}
     lost = len(kept) - len(places)
-    rows = f"{lost} row{'s' if lost > 1 else ''}"
+    rows = counted(lost, "row")
     told = [f"{rows} without time, or with a stamp that time goes back to or from, left aside"] if lost else []
     _refuse_below_zero(where, columns, values)
     displacement, no_displacement = without_codes("displacement_mm", values["displacement"])

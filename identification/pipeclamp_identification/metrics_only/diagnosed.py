@@ -131,7 +131,7 @@ class MetricDiagnosed:
             )
         words += [
             f"warning: every {CONDITIONS.get(signal, signal)} but one was tested once: each rests on one row, and "
-            f"nothing shows how far {name} scatters there"
+            "nothing shows how far the metrics scatter there"
             for signal in diagnosis.tested_once
         ]
         return words

@@ -45,7 +45,7 @@ def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look
         larger = with_effect(law.structure, name)
         starts = starting_points(larger, observations, law.result.law.values)
     except UserError as error:
-        return Look(name, str(error), False, 0.0)
+        return Look(name, str(error).removeprefix(f"effect {name!r} "), False, 0.0)
     equations = larger.equations
     reasons = undetermined(equations, observations)
     own = set(law.result.equations.names)

@@ -12,6 +12,7 @@ from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, temperatures
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import counted
 from pipeclamp_system.description.measured_table import DRIVES
 from pipeclamp_system.steady.harmonics import DOUBTFUL
 
@@ -146,7 +147,7 @@ def _range_of(comparison: PipeComparison, index: int) -> tuple[float, float]:
 
 def sines(count: int) -> str:
     """Give a number of sines in words."""
-    return f"{count} sine{'s' if count != 1 else ''}"
+    return counted(count, "sine")
 
 
 def how_much(comparison: PipeComparison) -> list[str]:
@@ -154,7 +155,7 @@ def how_much(comparison: PipeComparison) -> list[str]:
     count, probes = comparison.squared_measured.shape
     words = (
         f"The coupled model errs by {comparison.nrmse:.2%} of the rms of what was measured, "
-        f"over {sines(count)} and {probes} probe{'s' if probes > 1 else ''}"
+        f"over {sines(count)} and {counted(probes, 'probe')}"
     )
     if comparison.noise_nrmse is None:
         return [f"{words}; no scatter is known: no sine was repeated."]

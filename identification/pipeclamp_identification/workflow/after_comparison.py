@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.diagnosis.further_test.limits import limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words, reach_around
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_RUNS
+from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.workflow.along_free import along_free
 from pipeclamp_identification.workflow.next_command import stem_of
 from pipeclamp_identification.workflow.tests import Held
 from pipeclamp_models.base.shell import shell_line
+from pipeclamp_models.base.units import CELSIUS
 
 PLANNED = "planned"
 """What the folder of a campaign that is planned is called, where nobody has named it."""
@@ -18,12 +23,23 @@ def after_comparison(law: str, tests: str, held: Held) -> str:
 
     Args:
         law, tests: as for `next_command`.
-        held: the law against the tests. A diagnosis asks for loops: free motions alone call for the clamp's FMU where
-            scatter explains what the law errs along them, else for a campaign of sines that reaches as far as they do.
+        held: the law against the tests. A diagnosis asks for loops, and for more than a few: these call for a campaign
+            around them. Free motions alone call for the clamp's FMU where scatter explains what the law errs along
+            them, else for a campaign of sines that reaches as far as they do.
     """
+    if isinstance(held, Comparison) and 0 < len(held.runs) < FEWEST_RUNS:
+        return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(_around(held.loops)))
     if not isinstance(held, Comparison) or held.runs:
         return shell_line("diagnose", law, tests, "--report", "diagnosis.html")
     found = along_free(held.free)
     if found.scatter_explains:
         return shell_line("build-fmu", law, "-o", f"{stem_of(law)}.fmu", "--track")
     return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(found.reach))
+
+
+def _around(loops: Loops) -> Limits:
+    """Give what a campaign reaches that goes on around a few tests."""
+    A, f = ((float(values.min()), float(values.max())) for values in (loops.amplitude_mm, loops.frequency_Hz))
+    known = loops.temperature_K[np.isfinite(loops.temperature_K)] - CELSIUS
+    T = (float(known.min()), float(known.max())) if known.size else Limits().temperature
+    return reach_around(A, f, T, None)

@@ -45,15 +45,15 @@ class AlongFree:
     def scatter_words(self) -> str:
         """Say what of the error is scatter, and what tells it."""
         by = "that of the law's own sines" if self.of_sines else "the noise between neighbouring samples"
-        return f"scatter alone makes {self.scatter:.2%}, by {by}: no motion repeats, so that cycles can't tell it"
+        return f"scatter alone makes {self.scatter:.2%}, judged by {by}, since these motions don't repeat"
 
     def words(self) -> str:
         """Say what it calls for."""
         if self.scatter_explains:
             return "Free motion: beyond scatter nothing is found missing along these motions."
         return (
-            "Free motion: what is beyond scatter the law lacks. What that is, a diagnosis tells of sines alone: of "
-            "those that the law was identified from, or of a campaign that reaches as far as these motions."
+            "Free motion: beyond scatter the law lacks something. What it is, a diagnosis finds from "
+            "sines: those that the law was identified from, or a campaign of them that reaches as far as these motions."
         )
 
 

@@ -39,6 +39,11 @@ def _shown(character: str) -> str:
     return ascii(character)[1:-1] if unicodedata.category(character) in HIDDEN else character
 
 
+def counted(count: int, what: str) -> str:
+    """Give how many there are of what has an s in the plural: "1 run", "2 runs"."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
 def message(text: str) -> str:
     """Give a text as a message: one line, or that and lines that two spaces begin.
 

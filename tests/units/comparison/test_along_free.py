@@ -52,8 +52,8 @@ def test_what_scatter_explains(off, scatter_on_sines, explained):
 @pytest.mark.parametrize(
     ("scatter_on_sines", "told"),
     [
-        (None, "by the noise between neighbouring samples"),
-        (0.05, "scatter alone makes 5.00%, by that of the law's own"),
+        (None, "judged by the noise between neighbouring samples"),
+        (0.05, "scatter alone makes 5.00%, judged by that of the law's own"),
     ],
 )
 def test_the_first_words_tell_the_scatter_that_the_last_ones_judge_by(scatter_on_sines, told):

@@ -303,6 +303,19 @@ def test_patterns_are_guessed(stems, pattern, first):
     assert not pattern or Pattern(pattern).settings(stems[0]) == first
 
 
+@pytest.mark.parametrize("stem", ["f{}_A{}", "f{}_A{}_T20", "f{} A{}in"])
+def test_a_proposed_pattern_ends_with_its_last_field_where_the_next_number_means_nothing(stem):
+    stems = [stem.format(1, 0.5), stem.format(3, 0.2)]
+    pattern = guessed_pattern(stems, lambda column, values: column == "amplitude_mm")
+    assert pattern == "f{frequency_Hz}"
+    assert [Pattern(pattern).settings(one) for one in stems] == [{"frequency_Hz": 1.0}, {"frequency_Hz": 3.0}]
+
+
+def test_a_proposed_pattern_ends_with_its_unit_and_not_with_what_only_counts():
+    assert guessed_pattern(["A0.5_3Hz_rep1", "A0.2_5Hz_rep2"]) == "A{amplitude_mm}_{frequency_Hz}Hz"
+    assert guessed_pattern(["f1_A0.5_rep1", "f3_A0.2_rep2"]) == "f{frequency_Hz}_A{amplitude_mm}"
+
+
 def test_numbers_that_what_was_measured_contradicts_are_no_setting(tmp_path):
     """As a damper's dynamometer names its files: t1 is a trial, while a channel has the temperature."""
     for pressure in (50, 100):

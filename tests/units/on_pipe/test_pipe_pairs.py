@@ -78,7 +78,7 @@ def test_a_position_has_several_valleys_and_the_deepest_is_found(found):
 def test_a_part_is_said_to_be_one(found):
     part = replace(found, verdict="wrong", named=found.named[:1], kind="part")
     words = attribution_words(part, None)
-    assert words[0].startswith("part of what is wrong: ")
+    assert words[0].startswith("Part of what is wrong: ")
     assert any("a part is no proof" in sentence.lower() for sentence in words)
     several = replace(found, verdict="ambiguous", named=found.candidates[:2], kind="part")
     assert "one of these is part of what is wrong" in attribution_words(several, None)[0]

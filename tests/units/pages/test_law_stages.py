@@ -108,3 +108,10 @@ def test_a_standard_error_is_told_in_plain_figures(climbed):
     file = base.model_copy(update={"coefficients": {**base.coefficients, "k10": k10}})
     rows = {row[0]: row[2] for row in parameters_table([file]).rows}
     assert rows["k10"] == "297.4 ± 200"
+
+
+def test_bars_of_one_kind_say_which_tests_they_are_of():
+    """A law held against others than it was fitted to: the bars aren't the error that the answer states."""
+    picture = waterfall_picture([Rung("power", {USED: 0.1})], None, "")
+    assert picture.layout.showlegend
+    assert [bar.name for bar in picture.data] == [USED]

@@ -29,6 +29,7 @@ from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
 from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
+from pipeclamp.studio.session import Step
 from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
@@ -237,6 +238,9 @@ def test_a_ladder_that_is_stopped_leaves_the_law_so_far(hiding, tmp_path):
         assert ended["says"] == "stopped; law2 holds what was added until then"
         assert read_law(tmp_path / "home" / "law2.json").effects
         assert studio.desk.open("hiding").project.parent("law2") == "law1"
+        told = studio.ask("/c/hiding/")[2].decode()
+        assert "# stopped on the way: law2 holds what had been added until then\npipeclamp diagnose" in told
+        assert not json.loads((tmp_path / "home" / "session.json").read_text())["begun"]
 
 
 def test_a_law_that_comes_to_nothing_leaves_its_name_to_the_next(studio, home):
@@ -420,6 +424,24 @@ def test_a_studio_that_was_killed_finds_all_again(studio, campaign, home, tmp_pa
         assert 'aria-current="page"><b>law1</b>' in again.ask("/")[2].decode()
         assert again.desk.open("virtual").project.reserve() == "law2"
     assert not list(later.glob(".*.part"))
+
+
+def test_what_was_being_done_when_the_studio_was_killed_is_told_where_it_left_a_law(studio, campaign, home, tmp_path):
+    later = tmp_path / "home"
+    shutil.copytree(home, later)
+    project = Project(str(campaign), later)
+    done = len(project.steps)
+    for law, stopped in (("law2", True), ("law3", True), ("law4", False)):
+        project.begin(Step(command=f"pipeclamp makes {law}", law=law, of="law1", stopped=stopped))
+    for law in ("law2", "law4"):
+        shutil.copy(later / "law1.json", later / f"{law}.json")
+    again = Project(str(campaign), later)
+    assert [step.told() for step in again.steps[done:]] == [
+        "# stopped on the way: law2 holds what had been added until then\npipeclamp makes law2",
+        "pipeclamp makes law4",
+    ]
+    assert Project(str(campaign), later).steps == again.steps
+    assert not json.loads((later / "session.json").read_text())["begun"]
 
 
 def test_files_become_a_campaign_once_they_are_confirmed(studio, campaign, home):

@@ -8,7 +8,7 @@ from pipeclamp.pages.page import Section
 from pipeclamp.pages.system.attribution import attribution_section
 from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp.pages.system.pipe_records import records_sections
-from pipeclamp.show.on_pipe import attribution_words, capital
+from pipeclamp.show.on_pipe import attribution_words
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.workflow.next_step import NextStep
 
@@ -23,7 +23,7 @@ def attributed_sections(found: Attributed, following: NextStep) -> list[Section]
         *(records_sections(records, corrected.records if corrected else None) if records else []),
     ]
     verdict, *why = attribution_words(found.attribution, found.proposal)
-    words = [capital(verdict), *why, *how.paragraphs, *following.before()]
+    words = [verdict, *why, *how.paragraphs, *following.before()]
     answer = replace(how, title="Answer", paragraphs=words, command=following.line)
     tried = [attribution_section(found.attribution)] if found.attribution else []
     return [answer, *others[:1], *tried, *others[1:]]
