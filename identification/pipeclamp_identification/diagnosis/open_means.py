@@ -12,6 +12,10 @@ from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, REAL
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.signals.digits import newtons
 
+MOSTLY_STUCK = 0.5
+"""Of an element that never slips in more than this share of the loops, these don't show what it can hold: it stands for
+a mean force, whatever this is. One that sticks in the smallest loops and slips in the others holds what it may."""
+
 
 @dataclass(frozen=True)
 class OpenMeans:
@@ -20,8 +24,8 @@ class OpenMeans:
     Attributes:
         runs: loops whose mean it leaves open, of so many in all.
         of_runs: so many.
-        rms: by which these means are off the law, over all loops, N; zero where noise and scatter of a load from run to
-            run make as much by chance.
+        rms: by which these means are off the law, over all loops, N; zero where most loops show by their slip how much
+            the others can hold, or where noise and scatter of a load from run to run make as much by chance.
         share: the same as a share of the force noise per sample.
     """
 
@@ -47,8 +51,9 @@ def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
     runs, of_runs = len(squares), len(left_open)
     beyond = float(np.sum(squares - scatter)) / of_runs
     told_by = max(of_runs - problem.smooth.shape[1], 1)
+    known = runs < MOSTLY_STUCK * of_runs
     by_chance = runs == 0 or stats.f.sf(np.mean(squares / scatter), runs, told_by) > REAL_LACK_CHANCE
-    rms = 0.0 if by_chance else float(np.sqrt(max(beyond, 0.0)))
+    rms = 0.0 if known or by_chance else float(np.sqrt(max(beyond, 0.0)))
     noise = float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))
     return OpenMeans(runs, of_runs, rms, rms / noise)
 

@@ -1,6 +1,7 @@
 """A load that is hung on anew for each run is never quite the same: its scatter is no effect, and hides none."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
+from pipeclamp_identification.diagnosis.open_means import means_left_open
+from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_models.law.law import Law, Structure
 
@@ -53,3 +56,23 @@ def test_without_a_load_next_to_nothing_scatters(tmp_path):
     write_campaign(tmp_path / "campaign", rig.virtual_runs(law, rig.TestPlan(rate=500.0, seed=3)), name="v", notes="")
     found = diagnose(Structure("power"), read_campaign(tmp_path / "campaign"))
     assert not found.problem.noise.load_shows
+
+
+@pytest.mark.parametrize(
+    ("stuck", "off_N", "scatter_N", "counts"),
+    [(30, 12.0, 0.1, True), (12, 12.0, 0.1, False), (30, 12.0, 10.0, False), (0, 0.0, 0.1, False)],
+)
+def test_open_means_count_where_most_loops_show_no_slip_and_no_load_scatters_as_much(stuck, off_N, scatter_N, counts):
+    """A right law of friction had been `unknown` for the means of its 12 smallest loops of 48."""
+    runs = 48
+    problem = SimpleNamespace(
+        harmonics=SimpleNamespace(
+            open_means=lambda force: np.arange(runs) < stuck, off_in_mean=lambda force: np.full(runs, off_N)
+        ),
+        noise=SimpleNamespace(noise_and_load=lambda: np.full((runs, 3), scatter_N**2)),
+        smooth=np.zeros((runs, 13)),
+        loops=SimpleNamespace(scatter_rms_N=np.full(runs, 4.0)),
+    )
+    found = means_left_open(SimpleNamespace(result=SimpleNamespace(law_force=None)), problem)
+    assert (found.share > FORM_NOISE_SHARE) == counts
+    assert (found.runs, found.of_runs) == (stuck, runs)
