@@ -80,11 +80,11 @@ class LackAnswer(AnswerModel):
 
 
 class ScatterAnswer(AnswerModel):
-    """Scatter from run to run: shares of stiffness and damping, and of a constant load in N."""
+    """Scatter from run to run: shares of stiffness and damping, and the mean force in N."""
 
     stiffness: float
     damping: float
-    load_N: float
+    mean_N: float
 
 
 class NextTestAnswer(AnswerModel):
@@ -168,7 +168,7 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         scatter=ScatterAnswer(
             stiffness=diagnosis.problem.noise.stiffness_scatter,
             damping=diagnosis.problem.noise.damping_scatter,
-            load_N=diagnosis.problem.noise.load_scatter,
+            mean_N=diagnosis.problem.noise.mean_scatter,
         ),
         next_test=_next_test(found.proposal) if found.proposal else None,
         no_next_test=found.no_test or None,

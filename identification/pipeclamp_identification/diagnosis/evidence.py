@@ -125,7 +125,7 @@ def _mean_and_loop(by_channel: Array) -> Array:
 
 
 def _whole(mean_and_loop: Array) -> float:
-    """Give the mean square of both, N2: a load that happens to scatter less takes nothing from what the loop lacks."""
+    """Give the mean square of both, N2: a mean that happens to scatter less takes nothing from what the loop lacks."""
     return float(np.maximum(mean_and_loop, 0.0).sum())
 
 

@@ -1,8 +1,8 @@
 """An honest noise model: what scatters between cycles, and what scatters between runs.
 
 Three parts. White sensor noise, each run with its own level. Slow, coloured noise: how much stronger scatter is at low
-absolute frequencies, pooled over runs. Scatter of stiffness, of damping and of a constant load from run to run: a share
-by which a whole run's elastic, damping or mean force is off, estimated from what of the residuals doesn't follow the
+absolute frequencies, pooled over runs. Scatter of stiffness, of damping and of the mean force from run to run: by how
+much a whole run's elastic, damping or mean force is off, estimated from what of the residuals doesn't follow the
 conditions smoothly.
 """
 
@@ -24,7 +24,8 @@ from pipeclamp_models.realise.motion import Motion
 WHITE_FROM = 5
 """Harmonics from this one on show the white level of a run."""
 MOST_SCATTER = 0.02
-"""Stiffness, damping or load that differs by more than this share from run to run is a law's error, not a rig's."""
+"""Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter; so
+is a mean force that differs by more than this share of the force."""
 UNSEEN = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
@@ -85,7 +86,9 @@ class NoiseModel:
         variance: from cycles, N2, shape (R, 2 H + 1), ordered as `harmonics_of` orders them.
         elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, same shape.
         stiffness_scatter, damping_scatter: standard deviation of that share from run to run.
-        load_scatter: standard deviation of a constant load from run to run, N.
+        mean_scatter: standard deviation of the mean force from run to run, N: of a load that is hung on, a preload that
+            is set, the zeros of the channels.
+        most_mean: N, beyond which it would be no rig's.
     """
 
     variance: Array
@@ -93,27 +96,29 @@ class NoiseModel:
     damping: Array
     stiffness_scatter: float
     damping_scatter: float
-    load_scatter: float
+    mean_scatter: float
+    most_mean: float
 
     @property
     def is_no_rigs(self) -> bool:
-        """Whether more would have to scatter from run to run than on any rig; a load may be as small as noise."""
-        return max(self.stiffness_scatter, self.damping_scatter) >= MOST_SCATTER
+        """Whether more would have to scatter from run to run than on any rig."""
+        of_mean = 0.0 < self.most_mean <= self.mean_scatter
+        return of_mean or max(self.stiffness_scatter, self.damping_scatter) >= MOST_SCATTER
 
     @property
-    def load_shows(self) -> bool:
-        """Whether scatter of the load is more than what noise makes of mean forces."""
-        return self.load_scatter**2 > float(np.median(self.variance[:, 0]))
+    def mean_shows(self) -> bool:
+        """Whether mean forces scatter by more than noise makes of them."""
+        return self.mean_scatter**2 > float(np.median(self.variance[:, 0]))
 
     def total_variance(self) -> Array:
         """Give the variance of each harmonic part, scatter between runs included, N2, shape (R, 2 H + 1)."""
         elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
-        return np.asarray(self.noise_and_load() + elastic**2 + damping**2)
+        return np.asarray(self.noise_and_mean() + elastic**2 + damping**2)
 
-    def noise_and_load(self) -> Array:
-        """Give the variance of each harmonic part that noise and scatter of the load make, N2, shape (R, 2 H + 1)."""
+    def noise_and_mean(self) -> Array:
+        """Give the variance of each harmonic part by noise and scatter of the mean force, N2, shape (R, 2 H + 1)."""
         variance = self.variance.copy()
-        variance[:, 0] += self.load_scatter**2
+        variance[:, 0] += self.mean_scatter**2
         return variance
 
     def no_scatter(self, residual: Array) -> Array:
@@ -131,7 +136,7 @@ class NoiseModel:
         """
         runs, size = self.variance.shape
         covariance = np.zeros((runs, size, size))
-        covariance[:, np.arange(size), np.arange(size)] = self.noise_and_load() + discrepancy
+        covariance[:, np.arange(size), np.arange(size)] = self.noise_and_mean() + discrepancy
         for direction, scatter in ((self.elastic, self.stiffness_scatter), (self.damping, self.damping_scatter)):
             covariance += scatter**2 * direction[:, :, None] * direction[:, None, :]
         lower = np.linalg.cholesky(covariance)
@@ -156,17 +161,18 @@ def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
     elastic, damping = np.zeros_like(variance), np.zeros_like(variance)
     elastic[:, 1::2] = loops.force[:, 1:].real
     damping[:, 2::2] = loops.force[:, 1:].imag
+    most_mean = MOST_SCATTER * float(np.median(loops.force_rms_N))
     scatter = [0.0, 0.0, 0.0]
     if residual is not None:
         smooth = smooth_basis(loops)
-        load = np.zeros_like(variance)
-        load[:, 0] = 1.0
-        most_load = MOST_SCATTER * abs(float(np.median(loops.force[:, 0].real)))
+        mean = np.zeros_like(variance)
+        mean[:, 0] = 1.0
         scatter = [
             _scatter(residual, direction, variance, smooth, most)
-            for direction, most in ((elastic, MOST_SCATTER), (damping, MOST_SCATTER), (load, most_load))
+            for direction, most in ((elastic, MOST_SCATTER), (damping, MOST_SCATTER), (mean, most_mean))
         ]
-    return NoiseModel(variance, elastic, damping, *scatter)
+    stiffness_scatter, damping_scatter, mean_scatter = scatter
+    return NoiseModel(variance, elastic, damping, stiffness_scatter, damping_scatter, mean_scatter, most_mean)
 
 
 def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array, most: float) -> float:

@@ -25,7 +25,7 @@ class OpenMeans:
         runs: loops whose mean it leaves open, of so many in all.
         of_runs: so many.
         rms: by which these means are off the law, over all loops, N; zero where most loops show by their slip how much
-            the others can hold, or where noise and scatter of a load from run to run make as much by chance.
+            the others can hold, or where noise and scatter of the mean force from run to run make as much by chance.
         share: the same as a share of the force noise per sample.
     """
 
@@ -47,7 +47,7 @@ def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
     force = law.result.law_force
     left_open = problem.harmonics.open_means(force)
     squares = problem.harmonics.off_in_mean(force)[left_open] ** 2
-    scatter = problem.noise.noise_and_load()[left_open, 0]
+    scatter = problem.noise.noise_and_mean()[left_open, 0]
     runs, of_runs = len(squares), len(left_open)
     beyond = float(np.sum(squares - scatter)) / of_runs
     told_by = max(of_runs - problem.smooth.shape[1], 1)

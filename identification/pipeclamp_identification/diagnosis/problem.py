@@ -192,11 +192,11 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
         again,
         stiffness_scatter=min(again.stiffness_scatter, problem.noise.stiffness_scatter),
         damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
-        load_scatter=min(again.load_scatter, problem.noise.load_scatter),
+        mean_scatter=min(again.mean_scatter, problem.noise.mean_scatter),
     )
     seen = problem.harmonics.seen
     # Also of what no scatter makes: where scatter could make all of the size, the form may still be another one.
-    excess = (residual**2 - noise.total_variance(), noise.no_scatter(residual) ** 2 - noise.noise_and_load())
+    excess = (residual**2 - noise.total_variance(), noise.no_scatter(residual) ** 2 - noise.noise_and_mean())
     factors = factors_of(problem.groups_beside(best.law_force), problem.loops, problem.harmonics)
     discrepancy = max(0.0, *(float(one[seen].sum()) / np.count_nonzero(seen) for one in excess))
     return replace(problem, noise=noise, discrepancy=discrepancy, factors=factors)

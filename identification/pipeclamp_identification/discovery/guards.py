@@ -217,7 +217,7 @@ def weighed_errors(law: Law, loops: Loops, problem: Problem) -> Array:
         noise_model(loops),
         stiffness_scatter=known.stiffness_scatter,
         damping_scatter=known.damping_scatter,
-        load_scatter=known.load_scatter,
+        mean_scatter=known.mean_scatter,
     )
     observations = WhitenedObservations(loop_observations(loops), noise.whitener(problem.discrepancy))
     residual = observations.against_noise(force_of_law(law, observations.motion))

@@ -389,7 +389,7 @@ def test_the_scatter_of_stiffness_does_not_outvote_what_a_term_explains(tmp_path
     loops = loops_of(read_campaign(tmp_path / "campaign"))
     stiffer = Law(law.structure, {**law.values, "k10": 1.01 * law.values["k10"]}, law.v_r, law.y_r)
     thicker = Law(law.structure, {**law.values, "c0": 1.05 * law.values["c0"]}, law.v_r, law.y_r)
-    known = SimpleNamespace(stiffness_scatter=0.01, damping_scatter=0.0, load_scatter=0.0)
+    known = SimpleNamespace(stiffness_scatter=0.01, damping_scatter=0.0, mean_scatter=0.0)
     weighed = [
         weighed_errors(one, loops, SimpleNamespace(noise=known, discrepancy=0.0)).sum() for one in (stiffer, thicker)
     ]

@@ -110,7 +110,7 @@ def test_the_lack_of_fit_is_that_of_the_diagnosis():
     smooth = smooth_functions(*(grid[name][every] for name in "AfT"), (), [None] * len(every))
     white = Whitened(left / noise, np.moveaxis(slopes[:, every], 0, -1) / noise, np.zeros(0))
     none = np.zeros_like(left)
-    model = NoiseModel(np.full_like(left, noise**2), none, none, 0.0, 0.0, 0.0)
+    model = NoiseModel(np.full_like(left, noise**2), none, none, 0.0, 0.0, 0.0, 0.0)
     told = lack_of_fit(white, left, model, smooth, np.ones((1, 2, *left.shape)), np.full(len(every), noise))
     assert found.excess[0] == pytest.approx(told.excess, rel=1e-6)
 

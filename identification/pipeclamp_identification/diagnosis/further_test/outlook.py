@@ -170,17 +170,17 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
     return (
-        of_sensor + run_scatter(force, noise.stiffness_scatter, noise.damping_scatter, noise.load_scatter)
+        of_sensor + run_scatter(force, noise.stiffness_scatter, noise.damping_scatter, noise.mean_scatter)
     ) / REPEATS
 
 
-def run_scatter(force: Array, stiffness: float, damping: float, load_N: float = 0.0) -> Array:
+def run_scatter(force: Array, stiffness: float, damping: float, mean_N: float = 0.0) -> Array:
     """Give the covariance of harmonics that scatter from run to run makes.
 
     Args:
         force: harmonics, N, shape (R, m).
         stiffness, damping: rms shares by which these differ.
-        load_N: rms by which a constant load differs.
+        mean_N: rms by which the mean force differs.
 
     Returns:
         N2, shape (R, m, m).
@@ -190,7 +190,7 @@ def run_scatter(force: Array, stiffness: float, damping: float, load_N: float = 
         direction = np.zeros_like(force)
         direction[:, part] = scatter * force[:, part]
         covariance += direction[:, :, None] * direction[:, None, :]
-    covariance[:, 0, 0] += load_N**2
+    covariance[:, 0, 0] += mean_N**2
     return covariance
 
 

@@ -25,8 +25,8 @@ def scatter_words(lack: LackOfFit, problem: Problem) -> str:
     noise = problem.noise
     named = (noise.stiffness_scatter, "stiffness"), (noise.damping_scatter, "damping")
     shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
-    if noise.load_shows:
-        shown.append(f"{newtons(noise.load_scatter)} of the load")
+    if noise.mean_shows:
+        shown.append(f"{newtons(noise.mean_scatter)} of the mean force")
     from_run_to_run = f"{' and '.join(shown)} from run to run" if shown else ""
     if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
         between = f", and {from_run_to_run}" if shown else ""

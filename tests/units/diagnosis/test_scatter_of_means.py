@@ -38,8 +38,8 @@ def loaded(folder, effects, **values):
 def test_a_load_that_scatters_is_nothing_missing(tmp_path):
     found = diagnose(Structure("power", ("offset",)), loaded(tmp_path / "campaign", ("offset",)))
     assert (found.verdict, found.effects) == ("complete", ())
-    assert "N of the load from run to run" in found.reasons[0]
-    assert found.problem.noise.load_scatter == pytest.approx(SCATTER_N, rel=0.4)
+    assert "N of the mean force from run to run" in found.reasons[0]
+    assert found.problem.noise.mean_scatter == pytest.approx(SCATTER_N, rel=0.4)
 
 
 def test_means_that_stuck_elements_leave_open_may_scatter_as_the_load_does(tmp_path):
@@ -55,21 +55,21 @@ def test_without_a_load_next_to_nothing_scatters(tmp_path):
     law = Law(Structure("power"), BASE, 0.0126, 0.002)
     write_campaign(tmp_path / "campaign", rig.virtual_runs(law, rig.TestPlan(rate=500.0, seed=3)), name="v", notes="")
     found = diagnose(Structure("power"), read_campaign(tmp_path / "campaign"))
-    assert not found.problem.noise.load_shows
+    assert not found.problem.noise.mean_shows
 
 
 @pytest.mark.parametrize(
     ("stuck", "off_N", "scatter_N", "counts"),
     [(30, 12.0, 0.1, True), (12, 12.0, 0.1, False), (30, 12.0, 10.0, False), (0, 0.0, 0.1, False)],
 )
-def test_open_means_count_where_most_loops_show_no_slip_and_no_load_scatters_as_much(stuck, off_N, scatter_N, counts):
+def test_open_means_count_where_most_loops_show_no_slip_and_no_mean_scatters_as_much(stuck, off_N, scatter_N, counts):
     """A right law of friction had been `unknown` for the means of its 12 smallest loops of 48."""
     runs = 48
     problem = SimpleNamespace(
         harmonics=SimpleNamespace(
             open_means=lambda force: np.arange(runs) < stuck, off_in_mean=lambda force: np.full(runs, off_N)
         ),
-        noise=SimpleNamespace(noise_and_load=lambda: np.full((runs, 3), scatter_N**2)),
+        noise=SimpleNamespace(noise_and_mean=lambda: np.full((runs, 3), scatter_N**2)),
         smooth=np.zeros((runs, 13)),
         loops=SimpleNamespace(scatter_rms_N=np.full(runs, 4.0)),
     )
