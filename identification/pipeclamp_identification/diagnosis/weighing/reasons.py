@@ -22,17 +22,22 @@ NEXT_TO_NOTHING = 0.005
 
 def scatter_words(lack: LackOfFit, problem: Problem) -> str:
     """Say how much follows the conditions, and how much scatters from run to run."""
+    scatter = _scatter_words(problem)
+    if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
+        between = f", and {scatter} from run to run" if scatter else ""
+        return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
+    makes = f"noise and scatter of {scatter} from run to run make" if scatter else "noise makes"
+    return f"what seems to follow the conditions is {lack.share:.2f} times the force noise; {makes} as much by chance"
+
+
+def _scatter_words(problem: Problem) -> str:
+    """Say what scatters from run to run, and by how much; empty where next to nothing does."""
     noise = problem.noise
     named = (noise.stiffness_scatter, "stiffness"), (noise.damping_scatter, "damping")
     shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
     if noise.mean_shows:
         shown.append(f"{newtons(noise.mean_scatter)} of the mean force")
-    from_run_to_run = f"{' and '.join(shown)} from run to run" if shown else ""
-    if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
-        between = f", and {from_run_to_run}" if shown else ""
-        return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
-    makes = f"noise and scatter of {from_run_to_run} make" if shown else "noise makes"
-    return f"what seems to follow the conditions is {lack.share:.2f} times the force noise; {makes} as much by chance"
+    return " and ".join(shown)
 
 
 def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
@@ -74,10 +79,11 @@ def between_words(worst: LeftOutLevel) -> str:
 
 def hidden_words(lack: LackOfFit, problem: Problem) -> str:
     """Say that scatter may hide too much for what is left to pass for form."""
+    size = f" ({scatter})" if (scatter := _scatter_words(problem)) else ""
     return (
         f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
-        f"catalogue takes half of it; scatter from run to run may hide that it is up to {lack.most_share:.2g} times "
-        f"the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them three "
+        f"catalogue takes half of it; scatter from run to run{size} may hide that it is up to {lack.most_share:.2g} "
+        f"times the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them three "
         "times each"
     )
 
