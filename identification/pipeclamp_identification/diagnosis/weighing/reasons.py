@@ -83,8 +83,8 @@ def hidden_words(lack: LackOfFit, problem: Problem) -> str:
     return (
         f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
         f"catalogue takes half of it; scatter from run to run{size} may hide that it is up to {lack.most_share:.2g} "
-        f"times the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them three "
-        "times each"
+        f"times the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them "
+        "three times each"
     )
 
 
