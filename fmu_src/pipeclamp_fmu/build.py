@@ -24,6 +24,7 @@ from pipeclamp_fmu.native.excitation import native_excitation
 from pipeclamp_fmu.native.packing import Built, NativeContent, write_native_fmu
 from pipeclamp_fmu.native.pipe import native_pipe
 from pipeclamp_fmu.python.packing import write_fmu
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.pipe.modes import ReducedPipe
@@ -130,6 +131,15 @@ def require_passive(model: ClampModel, file: LawFile) -> None:
     proof = passivity(model, file)
     ranges = _ranges(model)
     require_dissipation(model.name, model.law, *ranges, begin=cycles_through(proof), proved=proof.proved)
+
+
+def creates_energy(file: LawFile) -> str:
+    """Say on which closed cycle in its range a law would create energy; empty where none is found."""
+    try:
+        require_passive(clamp_model(file), file)
+    except UserError as error:
+        return str(error)
+    return ""
 
 
 def _ranges(model: ClampModel) -> tuple[tuple[float, float], ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_fmu.build import passivity, require_passive
+from pipeclamp_fmu.build import creates_energy, passivity
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.diagnosis.left_out import LeftOut
 from pipeclamp_identification.diagnosis.named import WITH
@@ -21,7 +21,6 @@ from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations, force_of_law
@@ -268,7 +267,7 @@ def passive(file: LawFile, before: LawFile) -> Guard:
         before: the law without it; what it does already, the term isn't blamed for.
     """
     wide = _widened(file)
-    if (words := _creates_energy(wide)) and not _creates_energy(_widened(before)):
+    if (words := creates_energy(wide)) and not creates_energy(_widened(before)):
         return Guard("passive", False, words)
     if words:
         return Guard("passive", True, "the law could create energy without it, too: `build-fmu` takes neither")
@@ -281,12 +280,3 @@ def _widened(file: LawFile) -> LawFile:
     ends = {name: file.range[name].maximum * beyond for name, beyond in (("A", BEYOND_A), ("f", BEYOND_F))}
     wider = {name: file.range[name].model_copy(update={"maximum": end}) for name, end in ends.items()}
     return file.model_copy(update={"range": {**file.range, **wider}})
-
-
-def _creates_energy(file: LawFile) -> str:
-    """Say on which cycle a law creates energy; empty where none does."""
-    try:
-        require_passive(clamp_model(file), file)
-    except UserError as error:
-        return str(error)
-    return ""

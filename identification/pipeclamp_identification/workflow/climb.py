@@ -24,7 +24,7 @@ from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LastDiagnosis, LawFile
-from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.law import Structure, find_base
 from pipeclamp_models.law.range import rounded
 
 MOST_EXCHANGED = 3
@@ -265,7 +265,7 @@ class Climber:
             change = self._exchanged(file, structure)
             if helps([change]) and fits_samples(change):
                 words = f"{change.effect}: the error on left-out conditions falls beyond doubt"
-                return Rung(change, "revision", (words,))
+                return Rung(change, "revision", (words, *_energy_words(change.after)))
         return None
 
     def _with_something_simpler(self, file: LawFile) -> Rung | None:
@@ -316,6 +316,15 @@ def _kind(found: Diagnosed) -> Kind:
 
 def _name(change: Addition) -> str:
     return change.effect.lstrip("+- ")
+
+
+def _energy_words(file: LawFile) -> tuple[str, ...]:
+    """Say that a law could create energy; only a base is asked whose damping has coefficients of either sign."""
+    if not find_base(file.base).signed:
+        return ()
+    from pipeclamp_fmu.build import creates_energy  # loads what FMUs are built with
+
+    return ("over some cycles this law would create energy: `build-fmu` refuses it",) if creates_energy(file) else ()
 
 
 def _in_vain(steps: Sequence[Addition]) -> InVain:

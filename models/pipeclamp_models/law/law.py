@@ -32,11 +32,13 @@ class Base:
         terms: names of the effects that it consists of.
         fixed: parameters that its form fixes.
         general: whether it may stand for any device; otherwise it states one clamp's surfaces.
+        signed: whether coefficients of its damping have either sign, so that a fit may create energy.
     """
 
     terms: tuple[str, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
     general: bool = True
+    signed: bool = False
 
 
 BASES: Mapping[str, Base] = {
@@ -45,7 +47,7 @@ BASES: Mapping[str, Base] = {
         ("linear_stiffness", "cubic_stiffness", "power_damping", "memory"),
         {"alpha0": 1.0, "alpha_A": 0.0, "alpha_f": 0.0},
     ),
-    "series": Base(("elastic_series", "damping_series")),
+    "series": Base(("elastic_series", "damping_series"), signed=True),
     "published": Base(("published_clamp",), general=False),
 }
 """Base laws by name: Eq. 17 (`power`), Eq. 14 (`memory`), Eq. 10 (`series`), the paper's own surfaces."""

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from pipeclamp_fmu import build
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.workflow import auto, change, climb
 
@@ -103,6 +104,20 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]
     samples = (0.06, 0.22)  # a spike at each reversal, beyond the harmonics by which left-out conditions are foretold
     assert not auto.add_until_settled(law(), tests, command="test").ladder
+
+
+@pytest.mark.parametrize(("base", "cycle", "told"), [("series:1:1", "a saw-tooth", True), ("series:1:1", "", False)])
+def test_that_a_law_on_another_base_would_create_energy_is_told(base, cycle, told, monkeypatch):
+    """An eddy-current damper's ladder had come to one, and `build-fmu` alone said so."""
+    tests = answering({(): found("unknown"), ("series",): found("unknown")}, monkeypatch)
+    tests.better_structures = lambda file, progress: [base] if not file.effects else []
+    after = law("series")
+    after.base = base
+    step = SimpleNamespace(effect=f"base {base}", after=after, heldout=(0.10, 0.08), nrmse=(0.09, 0.07))
+    monkeypatch.setattr(climb, "exchange", lambda *of, **options: step)
+    monkeypatch.setattr(build, "creates_energy", lambda file: cycle)
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert any("this law would create energy" in word for word in settled.ladder[0].words) == told
 
 
 def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(monkeypatch):
