@@ -55,8 +55,8 @@ def test_compare_takes_them(pipeclamp, mixed, tmp_path, sines):
         assert f"<h2>{title}</h2>" in page
     for sentence in found["where"]["words"]:
         assert sentence in " ".join(done.stdout.split())
-    # a law of another clamp: what it lacks is told of loops alone, which the free motion's reach says how to get
-    following = "diagnose emwm2" if sines else "plan -o planned --law emwm2 --limits A=..0.8"
+    # a law of another clamp: what it lacks is told of loops alone, of more than two; sines say around what
+    following = f"plan -o planned --law emwm2 --limits A={'0.4..1.2' if sines else '..0.8'}"
     assert f"Next: pipeclamp {following}" in " ".join(done.stdout.split())
     same = pc.compare("emwm2", campaign)
     assert json.loads(json.dumps(same.to_dict())) == found
