@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp.show.table import SINGLE_CYCLES, Table
+from pipeclamp.show.table import SINGLE_CYCLES, Table, outside_cell, outside_head
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
 from pipeclamp_identification.comparison.breakdown import (
@@ -69,22 +69,13 @@ def worst_table(comparison: Comparison, most: int | None = None) -> Table:
             *(condition.level_of(row).label for condition in further),
             100 * comparison.runs[row].nrmse,
             100 * comparison.runs[row].noise_nrmse if comparison.sums[row].scatter_known else None,
-            *_outside(comparison, comparison.runs[row].run),
+            *outside_cell(comparison.outside, comparison.runs[row].run),
         )
         for row in comparison.worst_first()[:most]
     ]
     conditions = ("A / mm", "f / Hz", "T / °C", *(condition.title for condition in further))
-    header = ("run", *conditions, "error / %", "scatter / %", *_outside_head(comparison))
+    header = ("run", *conditions, "error / %", "scatter / %", *outside_head(comparison.outside))
     return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
-
-
-def _outside_head(comparison: Comparison) -> tuple[str, ...]:
-    """Give the head of a column for what lies outside the law's range, where something does."""
-    return ("outside the law's range",) if comparison.outside else ()
-
-
-def _outside(comparison: Comparison, run: str) -> tuple[str, ...]:
-    return (comparison.outside.get(run, ""),) if comparison.outside else ()
 
 
 def free_table(comparison: Comparison) -> Table:
@@ -97,13 +88,13 @@ def free_table(comparison: Comparison) -> Table:
             float(np.max(np.abs(run.v))),
             run.came_from,
             100 * run.nrmse,
-            *_outside(comparison, run.run),
+            *outside_cell(comparison.outside, run.run),
         )
         for run in comparison.worst_free_first()
     ]
     header = (
         "run of free motion", "duration / s", "farthest / mm", "fastest / mm/s", "came from / mm", "error / %",
-        *_outside_head(comparison),
+        *outside_head(comparison.outside),
     )  # fmt: skip
     caption = "error as a share of the run's rms force; worst first; where the law's memory isn't unloaded: came from"
     return Table(header, rows, caption)

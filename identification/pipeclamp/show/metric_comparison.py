@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeclamp.show.comparison import RUNS_PRINTED
-from pipeclamp.show.table import Table
+from pipeclamp.show.table import Table, outside_cell, outside_head
 from pipeclamp.show.view import View
 from pipeclamp_identification.metrics_only.campaign import SCATTER
 from pipeclamp_identification.metrics_only.comparison_answer import metric_comparison_answer
@@ -22,18 +22,10 @@ def metric_worst_table(comparison: MetricComparison, most: int | None = None) ->
         rows.append(
             (
                 run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, 100 * float(dissipated),
-                100 * float(elastic), *([comparison.outside.get(run.name, "")] if comparison.outside else []),
+                100 * float(elastic), *outside_cell(comparison.outside, run.name),
             )
         )  # fmt: skip
-    header = (
-        "run",
-        "A / mm",
-        "f / Hz",
-        "T / °C",
-        "dW / %",
-        "W / %",
-        *(["outside the law's range"] if comparison.outside else []),
-    )
+    header = ("run", "A / mm", "f / Hz", "T / °C", "dW / %", "W / %", *outside_head(comparison.outside))
     return Table(header, rows, "100 log(measured/computed), worst first")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
@@ -23,3 +23,13 @@ def cell(value: str | float | None) -> str:
     if value is None:
         return "–"
     return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def outside_head(outside: Mapping[str, str]) -> tuple[str, ...]:
+    """Give the head of a column for what lies outside a law's range, by run, where something does."""
+    return ("outside the law's range",) if outside else ()
+
+
+def outside_cell(outside: Mapping[str, str], run: str) -> tuple[str, ...]:
+    """Give a run's entry in that column."""
+    return (outside.get(run, ""),) if outside else ()

@@ -8,13 +8,9 @@ import numpy as np
 from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, REAL_LACK_CHANCE
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MOSTLY_STUCK_SHARE, REAL_LACK_CHANCE
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.signals.digits import newtons
-
-MOSTLY_STUCK = 0.5
-"""Of an element that never slips in more than this share of the loops, these don't show what it can hold: it stands for
-a mean force, whatever this is. One that sticks in the smallest loops and slips in the others holds what it may."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +47,7 @@ def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
     runs, of_runs = len(squares), len(left_open)
     beyond = float(np.sum(squares - scatter)) / of_runs
     told_by = max(of_runs - problem.smooth.shape[1], 1)
-    known = runs < MOSTLY_STUCK * of_runs
+    known = runs < MOSTLY_STUCK_SHARE * of_runs
     by_chance = runs == 0 or stats.f.sf(np.mean(squares / scatter), runs, told_by) > REAL_LACK_CHANCE
     rms = 0.0 if known or by_chance else float(np.sqrt(max(beyond, 0.0)))
     noise = float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))

@@ -1,7 +1,7 @@
 """What decides a verdict on records, each threshold with its kind in its name and its reason.
 
-A *chance* is that of noise alone; a *share* is of the force noise, of the force, or of the lack of fit, as said; a
-*likelihood* is a difference of Akaike's criterion.
+A *chance* is that of noise alone; a *share* is of the force noise, of the force, of the lack of fit, or of loops, as
+said; a *likelihood* is a difference of Akaike's criterion.
 """
 
 from __future__ import annotations
@@ -55,6 +55,9 @@ WORTH_CLOSELY_SHARE = 0.2
 """And is fitted closely when a rough fit gains this share of what the best one's does."""
 LARGER_MEMBER_SQUARES = 10.0
 """Difference in squares on left-out groups that is no reason for an effect's larger member."""
+MOSTLY_STUCK_SHARE = 0.5
+"""Of an element that never slips in this share of the loops or more, these don't show what it can hold: it stands for a
+mean force, whatever this is. One that sticks in the smallest loops and slips in the others holds what it may."""
 FEWEST_RUNS = 4
 """Fewer can't show what a law lacks."""
 FEWEST_GROUPS = 6
