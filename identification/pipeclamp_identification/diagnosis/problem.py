@@ -188,12 +188,7 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
     """Estimate noise and discrepancy with the best law so far: the better it is, the less physics hides in them."""
     residual = problem.plain_residual(best.law_force)
     again = noise_model(problem.loops, residual)
-    noise = replace(
-        again,
-        stiffness_scatter=min(again.stiffness_scatter, problem.noise.stiffness_scatter),
-        damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
-        mean_scatter=min(again.mean_scatter, problem.noise.mean_scatter),
-    )
+    noise = replace(again, scatter=again.scatter.least(problem.noise.scatter))
     seen = problem.harmonics.seen
     # Also of what no scatter makes: where scatter could make all of the size, the form may still be another one.
     excess = (residual**2 - noise.total_variance(), noise.no_scatter(residual) ** 2 - noise.noise_and_mean())

@@ -211,13 +211,7 @@ def squared_errors(law: Law, loops: Loops) -> Array:
 
 def weighed_errors(law: Law, loops: Loops, problem: Problem) -> Array:
     """Give the squared error of each run in units of its noise, of scatter from run to run, and of what laws miss."""
-    known = problem.noise
-    noise = replace(
-        noise_model(loops),
-        stiffness_scatter=known.stiffness_scatter,
-        damping_scatter=known.damping_scatter,
-        mean_scatter=known.mean_scatter,
-    )
+    noise = replace(noise_model(loops), scatter=problem.noise.scatter)
     observations = WhitenedObservations(loop_observations(loops), noise.whitener(problem.discrepancy))
     residual = observations.against_noise(force_of_law(law, observations.motion))
     return np.asarray(np.sum(residual**2, axis=1))
