@@ -58,9 +58,9 @@ class LackOfFit:
             alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
         sure_share: the same, less what scatter may have added to it by chance.
-        most_share: the same, with what scatter may have taken from it by chance, but for the mean force.
+        most_share: the same, with what scatter may have taken from it by chance.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
-            small.
+            small. Of the mean force only what scatter can't have made, in the shares too.
     """
 
     p_value: float
@@ -119,12 +119,12 @@ def lack_of_fit(
     # Of a sum of as many squares as there are freedoms.
     error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
     error[1:] /= 2
+    # Mean forces may scatter by more than a loop's noise: of them counts what scatter can't have made.
+    by_channel[0] = max(by_channel[0] - BY_CHANCE * error[0], min(by_channel[0], 0.0))
     excess = _mean_and_loop(by_channel)
-    chance = BY_CHANCE * np.array([error[0], np.linalg.norm(error[1:])])
-    # A mean force that scatters is part of any law's error: what it hides of the mean is no loop's form.
-    hidden = np.array([0.0, chance[1]])
+    chance = np.array([0.0, BY_CHANCE * np.linalg.norm(error[1:])])
     share, sure_share, most_share = (
-        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, excess - chance, excess + hidden)
+        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, excess - chance, excess + chance)
     )
     return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, most_share, by_channel)
 

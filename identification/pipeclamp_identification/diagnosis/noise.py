@@ -8,7 +8,7 @@ smoothly.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -148,11 +148,12 @@ class NoiseModel:
         return np.asarray(trends(loops).T[:, None, :, None] * both)
 
 
-def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
+def noise_model(loops: Loops, shifted: Array, residual: Array | None = None) -> NoiseModel:
     """Estimate the noise model.
 
     Args:
         loops: R runs.
+        shifted: what a shift of the displacement does to the law's loops, N/mm, shape (R, 2 H + 1).
         residual: measured less law in N, shape (R, 2 H + 1), of the best law so far; None leaves out the scatter
             between runs.
     """
@@ -160,12 +161,10 @@ def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
     variance = np.concatenate([per_harmonic[:, :1], np.repeat(per_harmonic[:, 1:], 2, axis=1)], axis=1)
     harmonics = np.zeros_like(variance)
     harmonics[:, 1::2], harmonics[:, 2::2] = loops.force[:, 1:].real, loops.force[:, 1:].imag
-    off = directions(harmonics, loops.amplitude_mm)
+    off = directions(harmonics, shifted)
     most_mean = MOST_SCATTER * float(np.median(loops.force_rms_N))
     scatter = RunScatter()
     if residual is not None:
-        # The law's loops have no noise, which a slope multiplies by the order of each harmonic.
-        off = replace(off, shifted=directions(harmonics - residual, loops.amplitude_mm).shifted)
         smooth = smooth_basis(loops)
         mean = np.zeros_like(variance)
         mean[:, 0] = 1.0

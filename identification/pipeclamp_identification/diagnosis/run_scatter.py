@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import Motion
+
+SHIFT = 1e-3
+"""Share of the amplitude by which a displacement is shifted to see what that does."""
 
 
 @dataclass(frozen=True)
@@ -63,23 +70,29 @@ class Directions:
         return np.stack([self.elastic, self.damping, self.shifted])
 
 
-def directions(harmonics: Array, amplitude_mm: Array) -> Directions:
-    """Give what goes with what differs from run to run.
-
-    The cosines of a loop, in phase with the displacement A cos(theta), make its elastic force, a sum of Chebyshev
-    polynomials in y / A, the sines its damping. The slope of that sum is the force that a shift of the displacement
-    makes: T_k' = 2 k (T_{k-1} + T_{k-3} + ...).
+def directions(harmonics: Array, shifted: Array) -> Directions:
+    """Give what goes with what differs from run to run: cosines of a loop are elastic, sines are damping.
 
     Args:
-        harmonics: of the force, N, shape (R, m).
-        amplitude_mm: A, shape (R,).
+        harmonics: of the force, in phase with the displacement, N, shape (R, m).
+        shifted: as `Directions` has it.
     """
-    elastic, damping, shifted = np.zeros_like(harmonics), np.zeros_like(harmonics), np.zeros_like(harmonics)
+    elastic, damping = np.zeros_like(harmonics), np.zeros_like(harmonics)
     elastic[:, 1::2] = harmonics[:, 1::2]
     damping[:, 2::2] = harmonics[:, 2::2]
-    cosines = harmonics[:, 1::2]
-    count = cosines.shape[1]
-    order = np.arange(1, count + 1)
-    made_by = (order > order[:, None]) & ((order - order[:, None]) % 2 == 1)
-    shifted[:, 1::2] = 2 / amplitude_mm[:, None] * ((order * cosines) @ made_by.T)
     return Directions(elastic, damping, shifted)
+
+
+def of_a_shift(law: Law, motion: Motion, harmonics: Callable[[Array], Array]) -> Array:
+    """Give what a law's loops change by when the displacement's zero is off by 1 mm, less the mean, N/mm, (R, m).
+
+    Args:
+        law: the law.
+        motion: R motions.
+        harmonics: gives those of forces on them, N, shape (R, m).
+    """
+    step = SHIFT * motion.slow["A"]
+    ahead, behind = (harmonics(force_of_law(law, replace(motion, y=motion.y + shift)).force) for shift in (step, -step))
+    shifted = (ahead - behind) / (2 * step)
+    shifted[:, 0] = 0.0
+    return np.asarray(shifted)

@@ -131,7 +131,7 @@ def scene(
     tell = progress or (lambda what: None)
     bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], POINTS)
     force, slopes = _foretold(bare, motion)
-    between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, motion.slow["A"][:, 0]))
+    between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, np.zeros_like(force)))
     covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + between_runs
     empty = Scene(
         grid, (), (), _rms(force), noise_N, (), covariance, slopes,

@@ -12,7 +12,7 @@ from scipy.special import logsumexp
 
 from pipeclamp_identification.campaign.drive import Profile, tones_motion
 from pipeclamp_identification.diagnosis.problem import Judged
-from pipeclamp_identification.diagnosis.run_scatter import directions
+from pipeclamp_identification.diagnosis.run_scatter import directions, of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.beforehand import parameter_bounds
@@ -170,7 +170,8 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
-    return (of_sensor + noise.scatter.covariance(directions(force, motion.slow["A"][:, 0]))) / REPEATS
+    shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: harmonics_of(forces, HARMONICS))
+    return (of_sensor + noise.scatter.covariance(directions(force, shifted))) / REPEATS
 
 
 def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) -> Array:
