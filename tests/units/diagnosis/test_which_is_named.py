@@ -8,6 +8,7 @@ import pytest
 
 from pipeclamp_identification.diagnosis.open_means import OpenMeans, with_means_counted
 from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.diagnosis.weighing import causes, parts, reasons, scales
 from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
@@ -375,3 +376,19 @@ def test_no_law_is_complete_of_which_a_part_leaves_mean_forces_open(proved, off,
     found = weigh(law.result.law.structure, problem, law, [], replace(TOLERANCE, proved=proved), 1, print)
     assert found.verdict == verdict
     assert ("in 5 of 6 loops an element of the law never slips" in found.reasons[0]) == (verdict == "unknown")
+
+
+@pytest.mark.parametrize(("sure", "verdict"), [(0.5, "complete"), (1.1, "unknown")])
+def test_what_scatter_may_have_made_is_not_complete_where_it_is_more_than_form(sure, verdict, monkeypatch):
+    """A law that was 1.25 times the noise off with stiffness that scattered had been `complete` at one chance in 25."""
+    law = candidate("slip_lock", 1.0, 10.0)
+    law.lack = SimpleNamespace(p_value=0.04, share=1.25, sure_share=sure, rms=1.4)
+    stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
+    stand_in(monkeypatch, "worst_level", lambda law, problem: None)
+    scatter = SimpleNamespace(
+        is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017)
+    )
+    problem = SimpleNamespace(noise=scatter, loops=SimpleNamespace(run=range(48)))
+    found = weigh(law.result.law.structure, problem, law, [], TOLERANCE, 1, print)
+    assert found.verdict == verdict
+    assert ("(0.17% of stiffness) may make as much by chance" in found.reasons[0]) == (verdict == "unknown")

@@ -49,6 +49,16 @@ def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
     return f"{few}; repeat some of them three times each" if repeat else words
 
 
+def chance_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
+    """Say that scatter may have made what follows the conditions, but that it is too much to trust the law."""
+    few = (
+        f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) seem to follow the conditions; scatter from run "
+        f"to run ({_scatter_words(problem)}) may make as much by chance, and these {len(problem.loops.run)} runs are "
+        "too few to tell"
+    )
+    return f"{few}; repeat some of them three times each" if repeat else few
+
+
 def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
     """Say that what is left passes for form: the best effect that takes some of it, and the error elsewhere."""
     asked = "no effect of the catalogue takes any of it"

@@ -8,6 +8,7 @@ from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
+    FORM_NOISE_SHARE,
     HALF_LEFT_SHARE,
     HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
@@ -41,9 +42,10 @@ def is_adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:
 
 
 def is_complete(law: Judged, problem: Problem, tolerance: Tolerance) -> bool:
-    """Tell whether what a law leaves over is scatter, and such as rigs have."""
+    """Tell whether what a law leaves over is scatter, such as rigs have, and no more than passes for form."""
     immaterial = law.lack.share < tolerance.complete
-    return is_adequate(law.lack, tolerance) and (immaterial or not problem.noise.is_no_rigs)
+    as_rigs_have = not problem.noise.is_no_rigs and law.lack.sure_share <= FORM_NOISE_SHARE
+    return is_adequate(law.lack, tolerance) and (immaterial or as_rigs_have)
 
 
 def may_be_form(law: Judged, tolerance: Tolerance) -> bool:

@@ -24,6 +24,7 @@ from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
 from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, outdoes, part_of_two
 from pipeclamp_identification.diagnosis.weighing.reasons import (
     between_words,
+    chance_words,
     few_runs_words,
     foretold_words,
     form_words,
@@ -65,7 +66,8 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     if is_adequate(law.lack, tolerance):
         if is_complete(law, problem, tolerance):
             return _complete(scatter_words(law.lack, problem), scales)
-        return nothing_named("unknown", few_runs_words(law.lack, problem, repeat=causes))
+        told = few_runs_words if problem.noise.is_no_rigs else chance_words
+        return nothing_named("unknown", told(law.lack, problem, repeat=causes))
     usable, sound = scales.usable, scales.sound
     pair: Judged | None = None
     if sound and causes:
