@@ -31,6 +31,8 @@ DISTORTION = 5
 RIDING_ORDER = 20
 # a way back of less than this share of the whole one is no turn of a record that may be one cycle
 TURN = 0.1
+# steps that such a record may lack until it is where it began: coarse ones differ in length
+LACKING_STEPS = 1.5
 # the fewest samples per cycle with which a loop's shape is more than guesswork
 FEWEST_SAMPLES = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
@@ -130,12 +132,19 @@ def _closing_frequency(time: Array, y: Array) -> float | None:
     """Give the frequency of a record that is one cycle from end to end, None where it isn't.
 
     The best sine of one triangle, there and back, has another frequency, by which a part of the cycle would be missing.
+    A cycle that was cut out by a counter lacks its last step, which is gone on with as the record ends.
     """
     size = float(np.ptp(y))
     turns = turning_points(y, np.full(len(y), TURN * size))
-    if len(turns) - 2 > 2 or abs(y[-1] - y[0]) > STEADY * size:
+    if len(turns) - 2 > 2:
         return None
-    return float(1.0 / time[-1])
+    if abs(y[-1] - y[0]) <= STEADY * size:
+        return float(1.0 / time[-1])
+    last, lacking = y[-1] - y[-2], y[0] - y[-1]
+    steps = lacking / last if last * (y[1] - y[0]) > 0 else math.inf
+    if not 0 < steps <= LACKING_STEPS:
+        return None
+    return float(1.0 / (time[-1] + steps * (time[-1] - time[-2])))
 
 
 def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:

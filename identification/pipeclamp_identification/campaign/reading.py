@@ -80,6 +80,8 @@ class Campaign:
     faults: tuple[SensorFault, ...] = ()
     digests: Digests = field(default_factory=Digests)
     doubts: tuple[str, ...] = ()
+    time_measured: bool = True
+    """Whether seconds are seconds: otherwise records count cycles for time, and speeds and frequencies mean nothing."""
 
     def of_runs(self, runs: tuple[Run, ...]) -> Campaign:
         """Give the campaign of some of its runs, with the fingerprint of what these were read from."""
@@ -98,7 +100,9 @@ class Campaign:
         if not self.runs:
             raise UserError(
                 f"{self.name}: {'all its runs have' if many else 'its only run has'} free motion ({names}); expected "
-                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these"
+                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these; a "
+                "program of one cycle a step is parted by a column that numbers its cycles (import: --columns "
+                "segment=...)"
             )
         remark = (
             f"{len(self.free)} run{'s' if many else ''} of free motion {'are' if many else 'is'} left out ({names}): "
@@ -142,7 +146,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     looked = in_threads(_looked_at, jobs, size)
     checked = [one for one, _ in looked]
     seen = {row.run: one for row, (_, one) in zip(table.rows, looked, strict=True)}
-    judged = judge(folder, table.rows, seen, strict)
+    judged = judge(folder, table.rows, seen, strict, time_measured=description.time_measured)
     runs = tuple(_judged(one, judged) for one in checked if isinstance(one, Run) and one.name in judged.sines)
     return Campaign(
         name=description.name,
@@ -157,6 +161,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         faults=judged.faults,
         digests=digests,
         doubts=judged.doubts,
+        time_measured=description.time_measured,
     )
 
 
