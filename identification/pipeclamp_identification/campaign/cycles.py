@@ -142,11 +142,16 @@ def _closing_frequency(time: Array, y: Array) -> float | None:
         return None
     if abs(y[-1] - y[0]) <= STEADY * size:
         return float(1.0 / time[-1])
+    if not lacks_a_step(y):
+        return None
+    return float(1.0 / (time[-1] + (y[0] - y[-1]) / (y[-1] - y[-2]) * (time[-1] - time[-2])))
+
+
+def lacks_a_step(y: Array) -> bool:
+    """Tell whether a motion ends on its way to where it began, a step before it."""
     last, lacking = y[-1] - y[-2], y[0] - y[-1]
     goes_on = last * (y[1] - y[0]) > 0 and last * lacking > 0
-    if not goes_on or abs(lacking) > LACKING * np.max(np.abs(np.diff(y))):
-        return None
-    return float(1.0 / (time[-1] + lacking / last * (time[-1] - time[-2])))
+    return bool(goes_on and abs(lacking) <= LACKING * np.max(np.abs(np.diff(y))))
 
 
 def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:

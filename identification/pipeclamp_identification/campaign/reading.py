@@ -143,7 +143,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     digests = digests_of(folder, {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)})
     size = sum(len(record.time_s) for _, record in records) / len(records)
     jobs = [(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
-    looked = in_threads(_looked_at, jobs, size)
+    looked = in_threads(partial(_looked_at, time_measured=description.time_measured), jobs, size)
     checked = [one for one, _ in looked]
     seen = {row.run: one for row, (_, one) in zip(table.rows, looked, strict=True)}
     judged = judge(folder, table.rows, seen, strict, time_measured=description.time_measured)
@@ -174,9 +174,9 @@ def _numbers_in_a_file(folder: Path, table: RunsTable) -> float:
     return 0.0
 
 
-def _looked_at(job: tuple[RunRow, Record]) -> tuple[Run | FreeRun | LeftOut, SeenRecord | LeftOut]:
+def _looked_at(job: tuple[RunRow, Record], time_measured: bool) -> tuple[Run | FreeRun | LeftOut, SeenRecord | LeftOut]:
     """Give a run of its row and record, and what the record shows."""
-    run = checked_run(*job)
+    run = checked_run(*job, time_measured=time_measured)
     return run, seen_of(run)
 
 
@@ -212,7 +212,8 @@ def seen_in(folder: Path, description: CampaignDescription, row: RunRow) -> Seen
     Raises:
         UserError: the file is missing or broken.
     """
-    return seen_of(checked_run(row, read_run(folder, description, row)[1]))
+    record = read_run(folder, description, row)[1]
+    return seen_of(checked_run(row, record, time_measured=description.time_measured))
 
 
 def read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
@@ -227,7 +228,7 @@ def read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tup
     return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
 
 
-def checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
+def checked_run(row: RunRow, record: Record, *, time_measured: bool = True) -> Run | FreeRun | LeftOut:
     """Give a run of its row and record; or why it can't be used."""
     try:
         check_samples(record)
@@ -243,7 +244,8 @@ def checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
                 motion=free_motion(record),
             )
         cycles = find_cycles(record)
-        check_clipping(record, cycles)
+        if time_measured:  # a sensor is clipped where it enters its end at speed
+            check_clipping(record, cycles)
     except UnusableRecord as fault:
         return LeftOut(row.run, str(fault), fault if isinstance(fault, SensorFailure) else None)
     return Run(

@@ -29,7 +29,8 @@ from pipeclamp_identification.importing.reading import SourceFile, digest_of, re
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds, turns_of, unsteady
+from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds, unsteady
+from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
@@ -349,8 +350,8 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
     check_samples(whole.record, lambda sample: row(whole.first + sample))
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
-    repaired = evened(clean.record)
-    record, seen, words = _usable(repaired.record if piece.timed else in_cycles(repaired.record))
+    repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
+    record, seen, words = _usable(repaired.record, piece.timed)
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
     draft = Draft(
@@ -372,28 +373,13 @@ def is_timed(columns: Sequence[Column], rate_is_measured: bool) -> bool:
     return rate_is_measured or any(one.ours == "time" for one in columns)
 
 
-def in_cycles(record: Record) -> Record:
-    """Give a record that counts its cycles for time, one a second: no frequency tells it from others then.
-
-    Of a motion that is no sine, the usual time from turn to turn is half a cycle; without turns it stays as it is.
-    """
-    try:
-        frequency = find_cycles(record).frequency_Hz
-    except UnusableRecord:
-        turns = turns_of(record.displacement_mm)[1:-1]
-        if len(turns) < 2:
-            return record
-        frequency = 0.5 / float(np.median(np.diff(record.time_s[turns])))
-    return replace(record, time_s=record.time_s * frequency)
-
-
 def _mean(values: Array) -> float:
     """Give the mean of samples of which some may be blank; nan where all are."""
     finite = values[np.isfinite(values)]
     return float(np.mean(finite)) if len(finite) else math.nan
 
 
-def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
+def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str, ...]]:
     """Give a record that can be used, what it shows, and what was cut out of it.
 
     Raises:
@@ -405,7 +391,9 @@ def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
         return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({fault}): it is free",)
     words: tuple[str, ...] = ()
     try:
-        check_clipping(record, cycles)
+        # a sensor is clipped where it enters its end at speed, which nobody knows without a time
+        if timed:
+            check_clipping(record, cycles)
     except SensorFailure as failure:
         record, told = without_clipped_cycles(record, cycles, failure)
         words = (told,)

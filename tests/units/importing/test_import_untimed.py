@@ -7,10 +7,13 @@ import pytest
 from exports import loop
 
 import pipeclamp as pc
+from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.seen import seen_sine
 from pipeclamp_identification.campaign.writing import WrittenRun, joined_runs, write_campaign
 from pipeclamp_identification.diagnosis.screen import candidate_names
+from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -42,6 +45,53 @@ def table(path, amplitude, *, step=0.02, times=None):
 @pytest.fixture
 def files(tmp_path):
     return [table(tmp_path / f"step{number}.csv", a) for number, a in enumerate(AMPLITUDES)]
+
+
+def slip_curve(amplitude, count, seed, close=True):
+    """A loop of a spring with friction as a picture has it: so many points, unevenly, from rest upwards and round."""
+    steps = np.random.default_rng(seed).uniform(0.2, 1.8, count)
+    way = np.cumsum(steps) - steps[0]
+    way *= 4 * amplitude / (way[-1] if close else way[-1] + steps[0])
+    y = np.interp(way, np.array([0, 1, 3, 4]) * amplitude, np.array([0, 1, -1, 0]) * amplitude)
+    rising = (way < amplitude) | (way >= 3 * amplitude)
+    return y, 900 * y + np.where(rising, 150.0, -150.0)
+
+
+@pytest.mark.parametrize("close", [True, False])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_curve_without_a_time_is_laid_out_over_a_sine(seed, close):
+    """Points of a picture taken for samples of a motion had given amplitudes a tenth too small, and jagged motions."""
+    y, force = slip_curve(2.0, 24, seed, close)
+    laid = laid_out(Record(0.01 * np.arange(len(y)), y, force)).record
+    cycles = find_cycles(laid)
+    assert cycles.count == 1 and cycles.frequency_Hz == pytest.approx(1.0, rel=2e-3)
+    shown = seen_sine(laid, cycles).shown
+    peak = (np.max(y) - np.min(y)) / 2
+    assert shown.amplitude_mm == pytest.approx(peak, rel=5e-3)
+    # on the curve, wherever it is drawn as a line
+    rising = np.gradient(laid.displacement_mm) > 0
+    inner = np.abs(laid.displacement_mm) < 0.7 * peak
+    off = laid.force_N - 900 * laid.displacement_mm - np.where(rising, 150.0, -150.0)
+    assert np.max(np.abs(off[inner])) < 1e-6 * 900
+
+
+def test_a_curve_without_a_time_is_the_same_however_close_its_points_lie():
+    few, many = (slip_curve(2.0, count, 0) for count in (200, 400))
+    found = []
+    for y, force in (few, many):
+        laid = laid_out(Record(0.01 * np.arange(len(y)), y, force)).record
+        found.append(seen_sine(laid, find_cycles(laid)).shown)
+    assert found[0].amplitude_mm == pytest.approx(found[1].amplitude_mm, rel=2e-3)
+    assert abs(found[0].stiffness - found[1].stiffness) < 2e-2 * abs(found[1].stiffness)
+
+
+def test_a_level_of_force_in_a_picture_is_no_clipped_sensor(tmp_path):
+    y, force = slip_curve(2.0, 40, 1)
+    flat = np.clip(force, -1750, 1750)  # two points or three at one force
+    rows = [f"{a:.4f},{b:.2f}" for a, b in zip(y, flat, strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["Displacement [mm],Force [N]", *rows]))
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c", rate="none")
+    assert [run.cycles.count for run in read_campaign(tmp_path / "c").runs] == [1]
 
 
 def test_tests_without_a_time_are_marked_and_told(tmp_path, files):
