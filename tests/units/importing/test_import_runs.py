@@ -492,7 +492,7 @@ def test_a_stated_column_parts_a_program_of_one_cycle_a_step(tmp_path):
     y, force, cycle = grown([1.0, 1.4, 2.0, 2.8, 4.0])
     rows = [f"{a:.5f},{b:.3f},{c:g}" for a, b, c in zip(y, force, cycle, strict=True)]
     (tmp_path / "steps.csv").write_text("\n".join(["Displacement [mm],Force [N],Cycle", *rows]))
-    whole = pc.import_files(tmp_path / "steps.csv", tmp_path / "whole", rate="none")
+    whole = pc.import_files(tmp_path / "steps.csv", tmp_path / "whole", rate=10)
     assert not whole.found.judged.sines
     with pytest.raises(UserError, match="parted by a column that numbers its cycles"):
         pc.identify(pc.read_campaign(tmp_path / "whole"))
