@@ -7,6 +7,8 @@ import pytest
 from exports import loop
 
 import pipeclamp as pc
+from pipeclamp.studio.commands import import_task
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
@@ -105,6 +107,8 @@ def test_tests_without_a_time_are_marked_and_told(tmp_path, files):
     assert [run.cycles.frequency_Hz for run in campaign.runs] == pytest.approx([1.0] * len(AMPLITUDES), rel=1e-3)
     law = pc.identify(tests)
     assert law.file.data.time_measured is False
+    assert "time was not measured" in str(law)
+    assert any("time of its tests was not measured" in one for one in clamp_model(law.file).notes)
     assert law.file.coefficients["c_f"].state == "frozen"  # there is but one frequency
 
 
@@ -151,6 +155,15 @@ def test_tests_without_a_time_don_t_join_others(tmp_path, files):
     assert not read_campaign(tmp_path / "c").time_measured
     with pytest.raises(UserError, match="the time of c was not measured, that of others was"):
         list(joined_runs([read_campaign(tmp_path / name) for name in ("timed", "c")]))
+
+
+def test_the_studio_takes_such_tests_too(tmp_path):
+    def task(rate):
+        return import_task(tmp_path / "files", tmp_path / "c", {"rate": rate}, skip_unusable=False, dry_run=True)
+
+    assert (task("none").given["rate"], task("50").given["rate"]) == ("none", 50.0)
+    with pytest.raises(UserError, match="expected a number, such as 1000, or none where time was not measured"):
+        task("fast")
 
 
 def test_the_mark_goes_on_to_metrics(tmp_path, files):

@@ -63,11 +63,7 @@ def laid_out(record: Record) -> Repaired:
             laid[name].append(np.interp(share, shares, values[first : last + 1]))
         begun += (high - low) / math.pi * HALF
     found = Record(time_s=np.concatenate(times), **{name: np.concatenate(parts) for name, parts in laid.items()})
-    words = (
-        "time was not measured: laid out over sines of 1 Hz, samples joined by straight lines of force over "
-        f"displacement ({len(y)} samples became {len(found.time_s)})"
-    )
-    return Repaired(found, (words,))
+    return Repaired(found, (f"laid out over sines of 1 Hz ({len(y)} samples became {len(found.time_s)})",))
 
 
 def _turns_of(y: Array) -> IntArray:
