@@ -204,10 +204,11 @@ class Effect:
 
     @property
     def is_of_time(self) -> bool:
-        """Whether it needs tests whose time was measured: seconds stand in what it can't be without."""
+        """Whether it needs tests whose time was measured: seconds stand in what it can't be without, or a speed."""
         of_time = [bool(UNIT_OF_TIME.search(one.unit)) or symbols.f in one.follows for one in self.parameters]
         lasting = [of for of, one in zip(of_time, self.parameters, strict=True) if one.neutral is None]
-        return any(lasting) or (bool(of_time) and all(of_time))
+        over_speed = symbols.v_0 in self.force.free_symbols
+        return over_speed or any(lasting) or (bool(of_time) and all(of_time))
 
     @property
     def within_steps(self) -> tuple[sp.Symbol, ...]:

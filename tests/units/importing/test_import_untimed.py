@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from exports import loop
@@ -15,6 +17,7 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.seen import seen_sine
 from pipeclamp_identification.campaign.writing import WrittenRun, joined_runs, write_campaign
 from pipeclamp_identification.diagnosis.screen import candidate_names
+from pipeclamp_identification.discovery.discover import terms_asked
 from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files
@@ -198,3 +201,16 @@ def test_a_diagnosis_asks_no_effect_of_time(tmp_path):
         asked[known] = {one["effect"] for one in answer["candidates"]} | set(answer["screened_out"])
     assert asked[True] & OF_TIME
     assert not asked[False] & OF_TIME
+
+
+def test_no_term_of_time_is_proposed_where_none_was_measured():
+    def asked(known):
+        loops = SimpleNamespace(time_measured=known, conditions={})
+        slow = {"A": np.array([[0.4], [0.8], [1.6]])}
+        problem = SimpleNamespace(loops=loops, observations=SimpleNamespace(motion=SimpleNamespace(slow=slow)))
+        return {term.declaration.id for term in terms_asked(problem)}
+
+    gone = asked(True) - asked(False)
+    assert {"found_viscous_damping", "found_square_damping", "found_relaxing_1"} <= gone
+    assert not {name for name in gone if name.startswith(("found_slip", "found_dry_damping"))}
+    assert {"found_slip", "found_dry_damping"} <= asked(False)
