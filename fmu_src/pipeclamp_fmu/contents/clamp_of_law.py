@@ -163,4 +163,6 @@ def _notes(file: LawFile) -> list[str]:
     notes.append(f"Base law {file.base}{effects}; data: {file.data.name} ({file.data.fingerprint}).")
     smoothing = f"sgn v is smooth below v_r = {file.smoothing['v_r']:.3g} mm/s"
     notes.append(f"{smoothing}, sgn y below y_r = {file.smoothing['y_r']:.3g} mm.")
+    if file.data.time_measured is False:
+        notes.append("The time of its tests was not measured: of speed and frequency it says nothing.")
     return notes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from pipeclamp.api.shown import PathOrName, Shown, path_of
 from pipeclamp.api.tests import Tests, read_campaign
@@ -90,7 +90,7 @@ def import_files(
     columns: str | Mapping[str, str] = "",
     pattern: str = "",
     conditions: PathOrName | None = None,
-    rate: float | None = None,
+    rate: float | Literal["none"] | None = None,
     name: str = "",
     notes: str = "",
     format: Format = "parquet",
@@ -106,7 +106,7 @@ def import_files(
         columns: which channels are ours, as `--columns` takes it ("time=Zeit [ms],force=Last [kN]"), or a dict of it.
         pattern: what the names of files state, "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}".
         conditions: a table of what was set, a row a file, its name in column `file`.
-        rate: samples per second, where no channel holds the time.
+        rate: samples per second, where no channel holds the time; "none" where time was not measured.
         name, notes: of the campaign; its folder's name by default.
         format: of the records: "parquet", "csv" or "csv.gz".
         skip_unusable: leave out files that are damaged or hold no test; notes, page and campaign.toml name them.

@@ -180,7 +180,8 @@ def join(
             warn(str(entry))
         notes = f"Joined of {', '.join(one.name for one in tests)}"
         count = write_campaign(
-            output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell
-        )
+            output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell,
+            time_measured=all(one.time_measured for one in tests),
+        )  # fmt: skip
     put(f"{output}: {counted(count, 'run')}")
     print_next(after_import(str(output)))

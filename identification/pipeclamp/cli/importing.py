@@ -62,7 +62,10 @@ def import_command(
         typer.Option(metavar="TABLE.csv", help="What was set: a row a file, its name in column file."),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(metavar="Hz", help="Samples per second, where no channel is time.")
+        str | None,
+        typer.Option(
+            metavar="Hz", help="Samples per second, where no channel is time; 'none' where time was not measured."
+        ),
     ] = None,
     name: Annotated[str, typer.Option(help="Name of the campaign; its folder's by default.")] = "",
     notes: Annotated[str, typer.Option(help="Notes on the campaign.")] = "",

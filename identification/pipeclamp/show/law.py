@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
+from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
@@ -66,7 +67,8 @@ def doubts(file: LawFile) -> list[str]:
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
     ]
-    lines += [f"Of its data: {words}." for words in file.data.warnings or ()]
+    untimed = (UNTIMED,) if file.data.time_measured is False else ()
+    lines += [f"Of its data: {words}." for words in (*untimed, *(file.data.warnings or ()))]
     if file.fit and file.fit.unsettled:
         lines.append(
             f"On {file.fit.unsettled} of the cycles that the law was fitted to, its memory doesn't become periodic: "

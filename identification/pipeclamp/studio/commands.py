@@ -191,16 +191,19 @@ def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_un
         "files": [str(files)], "folder": str(folder), "skip_unusable": skip_unusable, **told,
     }  # fmt: skip
     if "rate" in told:
-        given["rate"] = _number(told["rate"])
+        given["rate"] = _rate(told["rate"])
     kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
     return Task(kind, title, command, given)
 
 
-def _number(text: str) -> float:
+def _rate(text: str) -> float | str:
+    if text.strip().casefold() == "none":
+        return "none"
     try:
         return float(text)
     except ValueError as error:
-        raise UserError(f"samples per second: got {text!r}; expected a number, such as 1000") from error
+        expected = "expected a number, such as 1000, or none where time was not measured"
+        raise UserError(f"samples per second: got {text!r}; {expected}") from error
 
 
 def _last_parts(command: str) -> str:

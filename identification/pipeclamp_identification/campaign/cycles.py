@@ -31,6 +31,8 @@ DISTORTION = 5
 RIDING_ORDER = 20
 # a way back of less than this share of the whole one is no turn of a record that may be one cycle
 TURN = 0.1
+# what such a record may lack until it is where it began, in units of its longest step
+LACKING = 1.25
 # the fewest samples per cycle with which a loop's shape is more than guesswork
 FEWEST_SAMPLES = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
@@ -118,6 +120,8 @@ def find_cycles(record: Record) -> Cycles:
     if len(bounds) < 2 and (closing := _closing_frequency(time, y)):
         frequency, first, last = closing, 0, len(time)
         bounds = _bounds(time, frequency, interval)
+        if len(bounds) < 2:  # it lacks its last step, which may be longer than others
+            bounds = np.array([0, len(time)], dtype=np.intp)
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
@@ -130,12 +134,24 @@ def _closing_frequency(time: Array, y: Array) -> float | None:
     """Give the frequency of a record that is one cycle from end to end, None where it isn't.
 
     The best sine of one triangle, there and back, has another frequency, by which a part of the cycle would be missing.
+    A cycle that was cut out by a counter lacks its last step, and ends on its way there.
     """
     size = float(np.ptp(y))
     turns = turning_points(y, np.full(len(y), TURN * size))
-    if len(turns) - 2 > 2 or abs(y[-1] - y[0]) > STEADY * size:
+    if len(turns) - 2 > 2:
         return None
-    return float(1.0 / time[-1])
+    if abs(y[-1] - y[0]) <= STEADY * size:
+        return float(1.0 / time[-1])
+    if not lacks_a_step(y):
+        return None
+    return float(1.0 / (time[-1] + (y[0] - y[-1]) / (y[-1] - y[-2]) * (time[-1] - time[-2])))
+
+
+def lacks_a_step(y: Array) -> bool:
+    """Tell whether a motion ends on its way to where it began, a step before it."""
+    last, lacking = y[-1] - y[-2], y[0] - y[-1]
+    goes_on = last * (y[1] - y[0]) > 0 and last * lacking > 0
+    return bool(goes_on and abs(lacking) <= LACKING * np.max(np.abs(np.diff(y))))
 
 
 def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:

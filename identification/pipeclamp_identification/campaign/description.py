@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tomli_w
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt, StrictStr, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, stated_conversion
 from pipeclamp_models.base.errors import UserError
@@ -15,6 +15,11 @@ from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
 
 FILE_NAME = "campaign.toml"
+UNTIMED = (
+    "time was not measured: a cycle counts for a second, so that speeds and frequencies mean nothing, and no effect of "
+    "them is asked"
+)
+"""Said of a campaign that is marked so."""
 
 RecordColumn = Literal["time_s", "displacement_mm", "force_N", "temperature_C"]
 
@@ -168,6 +173,10 @@ class CampaignDescription(Table):
 
     name: Text
     notes: StrictStr = ""
+    time_measured: StrictBool = Field(
+        default=True,
+        description="false: a cycle counts for a second, speeds and frequencies mean nothing",
+    )
     defaults: dict[str, Number | StrictStr] = Field(default_factory=dict)
     columns: ColumnSources = ColumnSources()
     imported: Imported | None = None
@@ -202,6 +211,7 @@ def read_description(folder: Path) -> CampaignDescription:
     return read_table(folder / FILE_NAME, CampaignDescription, "the campaign's description with at least its name")
 
 
-def description_text(name: str, notes: str) -> str:
-    """Give the text of a campaign.toml with a name and notes."""
-    return tomli_w.dumps({"name": name, "notes": notes})
+def description_text(name: str, notes: str, *, time_measured: bool = True) -> str:
+    """Give the text of a campaign.toml with a name, notes, and the mark of tests without a time."""
+    mark = {} if time_measured else {"time_measured": False}
+    return tomli_w.dumps({"name": name, "notes": notes, **mark})

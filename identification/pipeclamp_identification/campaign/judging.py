@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures
 from pipeclamp_identification.campaign.plausibility import contradiction, implausible, makes_energy, unless_contradicted
 from pipeclamp_identification.campaign.runs_table import RunRow
@@ -44,7 +45,12 @@ class Judged:
 
 
 def judge(
-    folder: Path, rows: Sequence[RunRow], seen: Mapping[str, SeenRecord | LeftOut], strict: bool = False
+    folder: Path,
+    rows: Sequence[RunRow],
+    seen: Mapping[str, SeenRecord | LeftOut],
+    strict: bool = False,
+    *,
+    time_measured: bool = True,
 ) -> Judged:
     """Judge the runs of a campaign.
 
@@ -53,6 +59,7 @@ def judge(
         rows: of its runs.csv.
         seen: what the record of each run shows, or why it can't be used, by name.
         strict: a run that can't be used is an error.
+        time_measured: whether seconds are seconds.
 
     Raises:
         UserError: units are contradicted by all records; no run can be used; or, with `strict`, one can't.
@@ -87,6 +94,7 @@ def judge(
         faults=(*faults_of_failures(failures), *sensors.faults),
         doubts=doubts,
         remarks=(
+            *(() if time_measured else (UNTIMED,)),
             *doubts,
             *sensors.told,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),

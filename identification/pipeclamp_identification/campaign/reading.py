@@ -80,6 +80,8 @@ class Campaign:
     faults: tuple[SensorFault, ...] = ()
     digests: Digests = field(default_factory=Digests)
     doubts: tuple[str, ...] = ()
+    time_measured: bool = True
+    """Whether seconds are seconds: otherwise records count cycles for time, and speeds and frequencies mean nothing."""
 
     def of_runs(self, runs: tuple[Run, ...]) -> Campaign:
         """Give the campaign of some of its runs, with the fingerprint of what these were read from."""
@@ -98,7 +100,9 @@ class Campaign:
         if not self.runs:
             raise UserError(
                 f"{self.name}: {'all its runs have' if many else 'its only run has'} free motion ({names}); expected "
-                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these"
+                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these; a "
+                "program of one cycle a step is parted by a column that numbers its cycles (import: --columns "
+                "segment=...)"
             )
         remark = (
             f"{len(self.free)} run{'s' if many else ''} of free motion {'are' if many else 'is'} left out ({names}): "
@@ -139,10 +143,10 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     digests = digests_of(folder, {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)})
     size = sum(len(record.time_s) for _, record in records) / len(records)
     jobs = [(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
-    looked = in_threads(_looked_at, jobs, size)
+    looked = in_threads(partial(_looked_at, time_measured=description.time_measured), jobs, size)
     checked = [one for one, _ in looked]
     seen = {row.run: one for row, (_, one) in zip(table.rows, looked, strict=True)}
-    judged = judge(folder, table.rows, seen, strict)
+    judged = judge(folder, table.rows, seen, strict, time_measured=description.time_measured)
     runs = tuple(_judged(one, judged) for one in checked if isinstance(one, Run) and one.name in judged.sines)
     return Campaign(
         name=description.name,
@@ -157,6 +161,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         faults=judged.faults,
         digests=digests,
         doubts=judged.doubts,
+        time_measured=description.time_measured,
     )
 
 
@@ -169,9 +174,9 @@ def _numbers_in_a_file(folder: Path, table: RunsTable) -> float:
     return 0.0
 
 
-def _looked_at(job: tuple[RunRow, Record]) -> tuple[Run | FreeRun | LeftOut, SeenRecord | LeftOut]:
+def _looked_at(job: tuple[RunRow, Record], time_measured: bool) -> tuple[Run | FreeRun | LeftOut, SeenRecord | LeftOut]:
     """Give a run of its row and record, and what the record shows."""
-    run = checked_run(*job)
+    run = checked_run(*job, time_measured=time_measured)
     return run, seen_of(run)
 
 
@@ -207,7 +212,8 @@ def seen_in(folder: Path, description: CampaignDescription, row: RunRow) -> Seen
     Raises:
         UserError: the file is missing or broken.
     """
-    return seen_of(checked_run(row, read_run(folder, description, row)[1]))
+    record = read_run(folder, description, row)[1]
+    return seen_of(checked_run(row, record, time_measured=description.time_measured))
 
 
 def read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
@@ -222,7 +228,7 @@ def read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tup
     return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
 
 
-def checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
+def checked_run(row: RunRow, record: Record, *, time_measured: bool = True) -> Run | FreeRun | LeftOut:
     """Give a run of its row and record; or why it can't be used."""
     try:
         check_samples(record)
@@ -238,7 +244,8 @@ def checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
                 motion=free_motion(record),
             )
         cycles = find_cycles(record)
-        check_clipping(record, cycles)
+        if time_measured:  # a sensor is clipped where it enters its end at speed
+            check_clipping(record, cycles)
     except UnusableRecord as fault:
         return LeftOut(row.run, str(fault), fault if isinstance(fault, SensorFailure) else None)
     return Run(

@@ -42,6 +42,8 @@ def campaign_files(
     runs: Iterator[WrittenRun],
     format: Format = "csv",
     progress: Callable[[str], None] | None = None,
+    *,
+    time_measured: bool = True,
 ) -> Iterator[tuple[str, bytes]]:
     """Give the files of a campaign in the layout of docs/reference/campaign.md as (path inside the folder, content)."""
     rows = []
@@ -59,7 +61,7 @@ def campaign_files(
         if progress:
             progress(run_name)
     yield "runs.csv", encoded(pl.DataFrame(rows, infer_schema_length=None), "csv")
-    yield "campaign.toml", description_text(name, notes).encode()
+    yield "campaign.toml", description_text(name, notes, time_measured=time_measured).encode()
 
 
 def encoded(table: pl.DataFrame, format: Format) -> bytes:
@@ -82,6 +84,7 @@ def write_campaign(
     notes: str,
     format: Format = "csv",
     progress: Callable[[str], None] | None = None,
+    time_measured: bool = True,
 ) -> int:
     """Write a campaign into a new folder; it appears whole or not at all.
 
@@ -91,7 +94,7 @@ def write_campaign(
     Raises:
         UserError: the folder exists, or its parent can't be written.
     """
-    files = campaign_files(name, notes, runs, format, progress)
+    files = campaign_files(name, notes, runs, format, progress, time_measured=time_measured)
     return sum(file.startswith("runs/") for file in write_folder(folder, files))
 
 
@@ -112,6 +115,12 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
     taken: set[str] = set()
     free = any(campaign.free for campaign in campaigns)
     for campaign in campaigns:
+        if campaign.time_measured is not campaigns[0].time_measured:
+            without = next(one.name for one in campaigns if not one.time_measured)
+            raise UserError(
+                f"join: the time of {without} was not measured, that of others was, and a law of both would take "
+                "cycles for seconds; expected only tests with a time, or only such without"
+            )
         if set(campaign.condition_columns) != set(columns):
             raise UserError(
                 f"join: {campaign.name} has the further columns {', '.join(campaign.condition_columns) or 'none'}, "

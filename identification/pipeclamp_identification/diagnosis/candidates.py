@@ -242,7 +242,8 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
     """
     larger = with_effect(structure, first.effects[0])
     contenders = []
-    for name in candidate_names(larger, problem.loops.conditions):
+    loops = problem.loops
+    for name in candidate_names(larger, loops.conditions, time_measured=loops.time_measured):
         if fits(structure, name) or not fits_beside(larger, name):
             continue
         both, stated = with_effect(larger, name), first.result.law.values

@@ -152,7 +152,8 @@ class _Swap:
 
 def _alike(asked: Asked) -> Iterator[_Swap]:
     """Give the law with each effect of the catalogue in the place of each of its own that acts alike."""
-    known = candidate_names(asked.structure, asked.problem.loops.conditions)
+    loops = asked.problem.loops
+    known = candidate_names(asked.structure, loops.conditions, time_measured=loops.time_measured)
     effects = asked.structure.effects
     for name in effects:
         for other in known:

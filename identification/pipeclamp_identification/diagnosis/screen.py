@@ -17,19 +17,20 @@ from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import Structure, with_effect
 
 
-def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str]:
+def candidate_names(structure: Structure, conditions: Iterable[str], *, time_measured: bool = True) -> list[str]:
     """Give the effects that could be missing: those of the catalogue and the user's that the law hasn't got yet.
 
     Args:
         structure: the law's structure.
         conditions: further columns of the tests.
+        time_measured: whether their seconds are seconds: otherwise the catalogue's effects of time aren't asked.
     """
     present = {effect_id(effect.name): effect for effect in structure.all_effects()}
     names, of_columns = [], []
     for name, entry in entries().items():
         if isinstance(entry, Family) and entry.default is None:
             of_columns.append(name)
-        elif find_effect(name).part != "base":
+        elif find_effect(name).part != "base" and (time_measured or not find_effect(name).is_of_time):
             larger = present[name].refinement if name in present else None
             names += [name] if name not in present else [larger.name] if larger else []
     declared = (declaration.id for declaration in structure.declared)
@@ -133,7 +134,8 @@ def screened(
 ) -> list[Promise]:
     """Screen every effect, or those of some ids, by one step; most promising first."""
     promises = []
-    names = candidate_names(structure, problem.loops.conditions)
+    loops = problem.loops
+    names = candidate_names(structure, loops.conditions, time_measured=loops.time_measured)
     for name in names if ids is None else [name for name in names if effect_id(name) in ids]:
         tell(f"screen {name}")
         promise = _promise(structure, name, problem, law)

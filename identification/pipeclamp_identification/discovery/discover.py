@@ -109,7 +109,7 @@ def search(
     structure = structure_of(file).with_declared(declared)
     problem, law = _weighed(structure, _rows(loops, ~kept), law_of(file).values)
     present = {declaration.id for declaration in structure.declared}
-    every = [term for term in terms(*_varied(problem)) if term.declaration.id not in present]
+    every = [term for term in terms_asked(problem) if term.declaration.id not in present]
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
@@ -133,6 +133,12 @@ def search(
     result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+
+
+def terms_asked(problem: Problem) -> list[Term]:
+    """Give the terms of the grammar that tests may ask: none of speed or time where no time was measured."""
+    every = terms(*_varied(problem))
+    return [term for term in every if problem.loops.time_measured or not term.effect.is_of_time]
 
 
 def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequence[Judged]:

@@ -248,7 +248,10 @@ def law_file(
         ),
         unsettled=int(np.count_nonzero(identification.fit.law_force.unsettled)) or None,
     )
-    data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
+    data = data_source(
+        campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out,
+        time_measured=campaign.time_measured,
+    )  # fmt: skip
     covered = range_of(identification.loops, aged=ages(identification.fit.equations))
     file = file_of_fit(
         identification.fit, covered, data, quality,
@@ -262,10 +265,17 @@ def _rounded(value: float | None) -> float | None:
     return None if value is None else rounded(value)
 
 
-def data_source(name: str, fingerprint: str, runs_used: int, left_out: Iterable[LeftOut]) -> DataSource:
+def data_source(
+    name: str, fingerprint: str, runs_used: int, left_out: Iterable[LeftOut], *, time_measured: bool
+) -> DataSource:
     """Give what a parameter file says of the data that its law was identified from."""
-    entries = tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in left_out)
-    return DataSource(name=name, fingerprint=fingerprint, runs_used=runs_used, left_out=entries)
+    return DataSource(
+        name=name,
+        fingerprint=fingerprint,
+        runs_used=runs_used,
+        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in left_out),
+        time_measured=None if time_measured else False,
+    )
 
 
 def file_of_fit(

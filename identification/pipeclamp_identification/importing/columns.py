@@ -16,6 +16,7 @@ from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion,
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 from pipeclamp_models.base.shell import quoted
 
+OR_UNTIMED = "or --rate none where time was not measured, as in a quasi-static test"
 MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
 ODD = re.compile(r"^[-#]|^none$|,\s*[A-Za-z_]\w*\s*=|,$", re.IGNORECASE)
@@ -319,7 +320,9 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     rate = " --rate 1000" if mapped.without_time else ""
     if rate and len(mapped.questions) == 1:
         raise UnusableFileError(
-            where, problems, f"; expected its samples per second, for example{rate}, or the channel that is it"
+            where,
+            problems,
+            f"; expected its samples per second, for example{rate}, or the channel that is it; {OR_UNTIMED}",
         )
     if not mapped.is_answerable():
         there = listed([repr(heading) for heading in mapped.units])
@@ -334,7 +337,7 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
         if len(question.choices) > 1:
             lines.append(f"  {question.ours}: {listed(_short([one.text for one in question.choices]), ' or ')}")
         if question.ours == "time" and question.is_missing and question.choices:
-            lines.append("  or --rate 1000, samples per second, where no channel is the time")
+            lines.append(f"  or --rate 1000, samples per second, where no channel is the time; {OR_UNTIMED}")
     if re.search(r" \[1 [^\]]+\]", option):
         lines.append("  [1 N], [1 mm]: of what one of the channel's own unit is; put its number there")
     remedy = "\n".join(lines)

@@ -19,7 +19,15 @@ from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls
 from pipeclamp_identification.importing.reading import digest_of, stem_of
 from pipeclamp_identification.importing.stated import LeaveOut, Options
-from pipeclamp_identification.importing.taking import Draft, KnownFile, TakenFile, TakenTable, Way, taken_files
+from pipeclamp_identification.importing.taking import (
+    Draft,
+    KnownFile,
+    TakenFile,
+    TakenTable,
+    Way,
+    is_timed,
+    taken_files,
+)
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import (
     UnusableFileError,
@@ -36,6 +44,10 @@ TEMPERATURE_APART = 15.0
 """K by which an oven may miss what was set in it: a name's number that is farther off is no temperature."""
 MOST_ASIDE = 4
 """Tables that are left aside, of which one line names so many."""
+UNTIMED_FREQUENCY = (
+    "the frequency that is stated isn't used, for time was not measured; where it is known, state the samples per "
+    "second in place of --rate none: those of a cycle times the frequency"
+)
 LONGEST_NAME = 60
 """Characters of a sheet's, group's or label's name that become part of a run's."""
 
@@ -73,7 +85,7 @@ def plan_import(
     names = {digest: name for name, digest in known.items()}
     new: dict[str, str] = {}
     again: list[str] = []
-    way = Way(options.columns, options.rate, options.ask is not None, records, format, frozenset(names))
+    way = Way(options.columns, options.rate, options.timed, options.ask is not None, records, format, frozenset(names))
     for path, file in zip(paths, taken_files(paths, way, options.ask, progress), strict=True):
         called = file_name(path)
         if isinstance(file, UnusableFileError):
@@ -179,6 +191,7 @@ class _Planner:
         self.alike: dict[str, list[str]] = {}
         self.above: dict[str, Above] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
+        self.untimed: list[str] = []
 
     def add(self, path: Path, file: TakenFile) -> None:
         """Take a file's drafts.
@@ -204,6 +217,8 @@ class _Planner:
             time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
             if self.options.rate and time:
                 self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
+            if not is_timed(table.mapped.columns, self.options.timed) and called not in self.untimed:
+                self.untimed.append(called)
             for words in table.joined:
                 self.alike.setdefault(words, []).append(called)
             if table.stated:
@@ -260,7 +275,9 @@ class _Planner:
         sine: tuple[float, float] | None = None
         if isinstance(draft.seen, SeenSine):
             sine = (draft.seen.shown.amplitude_mm, draft.seen.cycles.frequency_Hz)
-            measured |= {"amplitude_mm": _digits(sine[0]), "frequency_Hz": _digits(sine[1])}
+            measured["amplitude_mm"] = _digits(sine[0])
+            if is_timed(table.mapped.columns, self.options.timed):
+                measured["frequency_Hz"] = _digits(sine[1])
             if reversed_sign(draft.seen.shown):
                 self.reversed.append(table.mapped)
         else:
@@ -281,6 +298,9 @@ class _Planner:
                 if isinstance(found, float) and abs(found - value) > STATED_APART * value:
                     continue
             if column in ("run", "file"):
+                continue
+            if column == "frequency_Hz" and not is_timed(table.mapped.columns, self.options.timed):
+                self.note(UNTIMED_FREQUENCY)
                 continue
             row[column] = value
         if "temperature_C" in stated:
@@ -340,8 +360,9 @@ class _Planner:
         self._note_conditions({Path(name).stem for name in again} | set(again))
         notes = (*listed_why([(one.file, one.why) for one in left_out]), *self.notes)
         return Plan(
-            tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out
-        )
+            tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out,
+            tuple(self.untimed),
+        )  # fmt: skip
 
     def _contradicted(self, column: str, values: Sequence[float]) -> bool:
         """Tell whether most runs were measured otherwise than the files' names would state, a value a run."""

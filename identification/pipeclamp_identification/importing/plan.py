@@ -70,3 +70,5 @@ class Plan:
     """Names of files that the campaign holds already."""
     left_out: tuple[LeftOutFile, ...] = ()
     """Files that can't be used, which the user lets be left out."""
+    untimed: tuple[str, ...] = ()
+    """Names of files in which no time was measured."""

@@ -22,6 +22,7 @@ from pipeclamp_identification.campaign.writing import Format, encoded
 from pipeclamp_identification.importing.columns import Column, Mapped, OpenChannelsError, Stated, refuse_open_questions
 from pipeclamp_identification.importing.conditions import Settings, of_properties
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
+from pipeclamp_identification.importing.naming import SEGMENT
 from pipeclamp_identification.importing.questions import MOST_FALLS, NONE
 from pipeclamp_identification.importing.raw import Above, RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
@@ -29,6 +30,7 @@ from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds, unsteady
+from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
@@ -57,6 +59,7 @@ class Way:
     Attributes:
         columns: what was stated of channels.
         rate: samples per second, where no channel holds the time.
+        timed: whether these are the logger's.
         ask: whether somebody can say what is open.
         records: folder that records are written into, and their format.
         known: SHA-256 of files that aren't read again.
@@ -64,6 +67,7 @@ class Way:
 
     columns: tuple[Stated, ...]
     rate: float | None
+    timed: bool
     ask: bool
     records: Path
     format: Format
@@ -172,6 +176,7 @@ class Piece:
         begin: rows before them.
         label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
+        timed: whether its time was measured.
         stretches: that a picture of it is thinned out to.
     """
 
@@ -179,6 +184,7 @@ class Piece:
     table: RawTable
     columns: tuple[Column, ...]
     rate: float | None
+    timed: bool
     begin: int
     label: str
     record: Path
@@ -270,7 +276,9 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
             "that rises: another channel by --columns, or the samples per second by --columns time=none --rate",
         )
     if len(own):
-        bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment_of(table, columns, timed))
+        surely = any(column.ours == SEGMENT and column.stated for column in columns)
+        segment = segment_of(table, columns, timed)
+        bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment, surely=surely)
     inner = bounds[1:-1] if timed is None else timed[bounds[1:-1]]
     begins = [0, *inner.tolist(), table.length]
     del time, own
@@ -282,6 +290,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
             table=RawTable(table.name, rows, table.first_row + first, table.told),
             columns=columns,
             rate=way.rate,
+            timed=is_timed(columns, way.timed),
             begin=first,
             label=label.of(np.arange(first, last)[finite[first:last]]) if label else "",
             record=record.with_name(f"{record.name}_{number:05d}"),
@@ -341,8 +350,8 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
     check_samples(whole.record, lambda sample: row(whole.first + sample))
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
-    repaired = evened(clean.record)
-    record, seen, words = _usable(repaired.record)
+    repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
+    record, seen, words = _usable(repaired.record, piece.timed)
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
     draft = Draft(
@@ -359,13 +368,18 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
     return draft, [one for one in beside if one.last > one.first]
 
 
+def is_timed(columns: Sequence[Column], rate_is_measured: bool) -> bool:
+    """Tell whether the time of a table was measured: by a channel, or by a logger of known rate."""
+    return rate_is_measured or any(one.ours == "time" for one in columns)
+
+
 def _mean(values: Array) -> float:
     """Give the mean of samples of which some may be blank; nan where all are."""
     finite = values[np.isfinite(values)]
     return float(np.mean(finite)) if len(finite) else math.nan
 
 
-def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
+def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str, ...]]:
     """Give a record that can be used, what it shows, and what was cut out of it.
 
     Raises:
@@ -377,7 +391,9 @@ def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
         return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({fault}): it is free",)
     words: tuple[str, ...] = ()
     try:
-        check_clipping(record, cycles)
+        # a sensor is clipped where it enters its end at speed, which nobody knows without a time
+        if timed:
+            check_clipping(record, cycles)
     except SensorFailure as failure:
         record, told = without_clipped_cycles(record, cycles, failure)
         words = (told,)

@@ -54,7 +54,10 @@ def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begi
         if column.ours == "time":
             return without_wrong_stamps(_turned(table, column))
     if rate is None:
-        raise UserError("no channel is the time; expected the samples per second: --rate")
+        raise UserError(
+            "no channel is the time; expected the samples per second: --rate, or --rate none where time was not "
+            "measured"
+        )
     return np.arange(begin, begin + table.length) / rate
 
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from pipeclamp_identification.campaign.description import (
     CampaignDescription,
     Imported,
-    description_text,
     read_description,
 )
 from pipeclamp_identification.campaign.judging import judge
@@ -32,7 +31,9 @@ from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.writing import (
     PAGE,
     existing_campaign,
+    head_of,
     is_left_out_anew,
+    refuse_other_time,
     write_campaign,
     write_description,
 )
@@ -96,6 +97,7 @@ def import_whole(
             raise UserError("no file was named; expected test machines' files")
         if existing and not plan.files and not is_left_out_anew(plan, existing):
             return _found(folder, folder, plan, existing.imported, tell, written=False)
+        refuse_other_time(existing, plan)
         tell("the campaign as a whole")
         imported = write_campaign(work, plan, existing, name=name, notes=notes, software=software, format=format)
         shutil.rmtree(drafts)
@@ -103,7 +105,7 @@ def import_whole(
         if dry_run:
             return found
         if found.imported.delay:
-            write_description(work, existing.head if existing else description_text(name, notes), found.imported)
+            write_description(work, head_of(existing, plan, name, notes), found.imported)
         tell("its page")
         (work / PAGE).write_text(page(found), encoding="utf-8", newline="\n")
         if confirm and not confirm(found):
@@ -146,7 +148,7 @@ def _found(
                 raise one
             tell(row.run)
             seen[row.run] = one
-        judged = judge(work, rows, seen)
+        judged = judge(work, rows, seen, time_measured=description.time_measured)
         looked = looked_at(work, description, rows, judged)
     except UserError as error:
         raise UserError(str(error).replace(str(work), str(folder))) from error

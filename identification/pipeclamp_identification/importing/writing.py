@@ -182,8 +182,26 @@ def write_campaign(
         cut=(*before.cut, *plan.cut),
         left_out=_left_out(before, plan),
     )
-    write_description(work, existing.head if existing else description_text(name, notes), imported)
+    write_description(work, head_of(existing, plan, name, notes), imported)
     return imported
+
+
+def head_of(existing: Existing | None, plan: Plan, name: str, notes: str) -> str:
+    """Give what stands in campaign.toml before what an import did: what is there, or the name of a new campaign."""
+    return existing.head if existing else description_text(name, notes, time_measured=not plan.untimed)
+
+
+def refuse_other_time(existing: Existing | None, plan: Plan) -> None:
+    """Refuse files without a time beside tests whose time was measured.
+
+    Raises:
+        UserError: there are such.
+    """
+    if existing and existing.description.time_measured and plan.untimed:
+        raise UserError(
+            f"{plan.untimed[0]}: its time was not measured, that of the tests in {existing.folder} was, and a law of "
+            "both would take cycles for seconds; expected another campaign (-o)"
+        )
 
 
 def is_left_out_anew(plan: Plan, existing: Existing) -> bool:

@@ -56,6 +56,8 @@ class Loops:
     rows: tuple[Loop, ...]
     force_average: float = 0.0
     """Share of the period over which the force was averaged before it was recorded."""
+    time_measured: bool = True
+    """Whether seconds are seconds; otherwise speeds and frequencies mean nothing."""
 
     run = _Listed[str]()
     specimen = _Listed[str | None]()
@@ -125,7 +127,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
     found = rows(DRIFT_BY_CHANCE)
     if drift_alike([row.force_per_cycle for row in found]):
         found = rows(DRIFT_AMONG_DRIFTS_BY_CHANCE)
-    return Loops(tuple(found), campaign.smoothing.force)
+    return Loops(tuple(found), campaign.smoothing.force, campaign.time_measured)
 
 
 def per_cycle(loops: Loops) -> Loops:
@@ -137,7 +139,8 @@ def per_cycle(loops: Loops) -> Loops:
     Returns:
         One row per cycle, the runs' cycles one after another; standard errors are those of a single cycle.
     """
-    return Loops(tuple(cycle for row in loops.rows for cycle in row.by_cycle()), loops.force_average)
+    cycles = tuple(cycle for row in loops.rows for cycle in row.by_cycle())
+    return Loops(cycles, loops.force_average, loops.time_measured)
 
 
 def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:

@@ -72,6 +72,8 @@ class MetricCampaign:
     runs: tuple[MetricRun, ...]
     left_out: tuple[LeftOut, ...]
     condition_columns: tuple[str, ...]
+    time_measured: bool = True
+    """Whether its frequencies are: otherwise loops were taken without a time."""
 
 
 def metric_campaign_of(
@@ -107,6 +109,7 @@ def metric_campaign_of(
         runs=tuple(runs),
         left_out=tuple(left_out),
         condition_columns=table.condition_columns,
+        time_measured=description.time_measured,
     )
 
 

@@ -75,7 +75,10 @@ def metric_law_file(
         ),
         unsettled=int(np.count_nonzero(result.law_force.unsettled)) or None,
     )
-    data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
+    data = data_source(
+        campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out,
+        time_measured=campaign.time_measured,
+    )  # fmt: skip
     return file_of_fit(
         result, intervals_of(_columns(campaign)), data, quality, name=name, command=command, date=date, history=history
     )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from pipeclamp_identification.diagnosis.screen import candidate_names, fits, fits_beside
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.evidence import MetricJudged, judged_fit
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.screen import look
@@ -19,7 +20,7 @@ MOST_FIRST = 2
 def pairs(
     law: MetricJudged,
     fitted: Sequence[MetricJudged],
-    conditions: Iterable[str],
+    campaign: MetricCampaign,
     observations: MetricObservations,
     tell: Progress,
 ) -> list[MetricJudged]:
@@ -28,14 +29,14 @@ def pairs(
     Args:
         law: the law as it is.
         fitted: the law with one more effect each.
-        conditions: further columns of the tests.
+        campaign: the tests.
         observations: what they were fitted to.
         tell: is told what is being done.
     """
-    conditions = tuple(conditions)
     after_one_step: dict[str, list[tuple[float, MetricJudged]]] = {}
     for first in fitted:
-        for name in candidate_names(first.structure, conditions):
+        known = candidate_names(first.structure, campaign.condition_columns, time_measured=campaign.time_measured)
+        for name in known:
             if fits(law.structure, name) or not fits_beside(first.structure, name):
                 continue
             seen = look(first, name, observations)

@@ -179,13 +179,14 @@ def diagnose_metrics(
     law = judged_fit((), fit_to_metrics(structure, observations, {}, CLOSELY), observations)
     refinements = [effect.refinement for effect in structure.all_effects() if effect.refinement]
     unseen = {refinement.name for refinement in refinements if not refinement.seen_in_metrics}
-    names = [name for name in candidate_names(structure, campaign.condition_columns) if name not in unseen]
+    known = candidate_names(structure, campaign.condition_columns, time_measured=campaign.time_measured)
+    names = [name for name in known if name not in unseen]
     looks = _looks(law, names, observations, tell)
     seen = [entry for entry in looks if not entry.hidden]
     thoroughly = lacks(law)
     fitted = [_with(law, entry, observations, tell, thoroughly=thoroughly) for entry in seen]
     alone = min((judged for judged in fitted if judged.may_be_cause), key=_score, default=law)
-    together = pairs(law, fitted, campaign.condition_columns, observations, tell) if lacks(alone) else []
+    together = pairs(law, fitted, campaign, observations, tell) if lacks(alone) else []
     law = _from_another_valley(law, [*fitted, *together], observations) if thoroughly else law
     richest = _richest(law, fitted, together, names, observations, lacks, tell)
     scatter = scatter_of(richest, observations, SCATTER)

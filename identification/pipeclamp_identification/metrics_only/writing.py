@@ -44,8 +44,9 @@ def as_metrics(campaign: Campaign, loops: Loops) -> MetricCampaign:
         for row, run in enumerate(campaign.runs)
     )
     return MetricCampaign(
-        campaign.name, campaign.notes, campaign.fingerprint, runs, campaign.left_out, campaign.condition_columns
-    )
+        campaign.name, campaign.notes, campaign.fingerprint, runs, campaign.left_out, campaign.condition_columns,
+        campaign.time_measured,
+    )  # fmt: skip
 
 
 def metric_rows(campaign: MetricCampaign) -> list[dict[str, str | float | None]]:
@@ -77,7 +78,8 @@ def metric_files(campaign: MetricCampaign) -> Iterator[tuple[str, bytes]]:
     table.writeheader()
     table.writerows({name: "" if cell is None else cell for name, cell in row.items()} for row in rows)
     yield "runs.csv", stream.getvalue().encode()
-    yield "campaign.toml", description_text(campaign.name, campaign.notes).encode()
+    text = description_text(campaign.name, campaign.notes, time_measured=campaign.time_measured)
+    yield "campaign.toml", text.encode()
 
 
 def _digits(value: float) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
@@ -74,8 +75,8 @@ class MetricTests:
 
     @property
     def remarks(self) -> Sequence[str]:
-        """What to know of the runs that are used: nothing, of metrics."""
-        return ()
+        """What to know of the runs that are used: of metrics nothing, but where time was not measured."""
+        return () if self.campaign.time_measured else (UNTIMED,)
 
     @property
     def free_runs(self) -> Sequence[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -12,6 +13,8 @@ from pipeclamp_models.base.signals import Part, Role
 from pipeclamp_models.equations import symbols
 
 NOTHING = sp.Integer(0)
+UNIT_OF_TIME = re.compile(r"\b(s\d?|Hz|t)\b")
+"""In units of parameters: a mass is N s2/mm."""
 
 
 @dataclass(frozen=True)
@@ -198,6 +201,14 @@ class Effect:
         """Whether it is a force that nothing changes, neither the motion nor a condition."""
         own = {parameter.symbol for parameter in self.parameters}
         return self.force != NOTHING and not self.states and self.force.free_symbols <= own
+
+    @property
+    def is_of_time(self) -> bool:
+        """Whether it needs tests whose time was measured: seconds stand in what it can't be without, or a speed."""
+        of_time = [bool(UNIT_OF_TIME.search(one.unit)) or symbols.f in one.follows for one in self.parameters]
+        lasting = [of for of, one in zip(of_time, self.parameters, strict=True) if one.neutral is None]
+        over_speed = symbols.v_0 in self.force.free_symbols
+        return over_speed or any(lasting) or (bool(of_time) and all(of_time))
 
     @property
     def within_steps(self) -> tuple[sp.Symbol, ...]:

@@ -95,13 +95,17 @@ class LeftOutRun(Part):
 
 
 class DataSource(Part):
-    """The data that the law was identified from; `warnings` say which of its units are likely wrong."""
+    """The data that the law was identified from; `warnings` say which of its units are likely wrong.
+
+    Where `time_measured` is false, a cycle was taken for a second: the law says nothing of speeds and frequencies.
+    """
 
     name: str
     fingerprint: str
     runs_used: Annotated[int, Field(ge=0)]
     left_out: tuple[LeftOutRun, ...] = ()
     warnings: tuple[str, ...] | None = None
+    time_measured: Literal[False] | None = None
 
 
 class RunQuality(Part):

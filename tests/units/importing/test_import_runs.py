@@ -9,6 +9,7 @@ import pytest
 from exports import RATE, Loop, loop, text
 
 import pipeclamp as pc
+from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, RIDDEN
@@ -474,3 +475,43 @@ def test_a_zero_that_was_set_between_two_imports_is_taken_off_the_runs_before(tm
     assert any("a mean of 250 mm is taken off in 1 of 2 runs" in note for note in found.notes)
     records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
     assert [np.mean(one.displacement_mm) for one in records] == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
+def grown(amplitudes, step=0.1, beyond=0.37):
+    """A program of one cycle a step, at one speed and sampled coarsely; and a counter of its cycles."""
+    way = np.concatenate([[0.0], *[[a, -a, 0.0] for a in amplitudes]])
+    gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(way)))])
+    path = step * (np.arange(int(gone[-1] / step)) + beyond)
+    y = np.interp(path, gone, way)
+    rising = np.interp(path + 0.01, gone, way) > y
+    return y, 500 * y + np.where(rising, 80.0, -80.0), np.floor(np.searchsorted(gone, path, side="right") - 1) // 3
+
+
+def test_a_stated_column_parts_a_program_of_one_cycle_a_step(tmp_path):
+    """A steel damper's test had stayed one free motion, and the column that was stated had done nothing."""
+    y, force, cycle = grown([1.0, 1.4, 2.0, 2.8, 4.0])
+    rows = [f"{a:.5f},{b:.3f},{c:g}" for a, b, c in zip(y, force, cycle, strict=True)]
+    (tmp_path / "steps.csv").write_text("\n".join(["Displacement [mm],Force [N],Cycle", *rows]))
+    whole = pc.import_files(tmp_path / "steps.csv", tmp_path / "whole", rate=10)
+    assert not whole.found.judged.sines
+    with pytest.raises(UserError, match="parted by a column that numbers its cycles"):
+        pc.identify(pc.read_campaign(tmp_path / "whole"))
+    found = pc.import_files(tmp_path / "steps.csv", tmp_path / "c", columns="segment=Cycle", rate="none")
+    runs = found.found.judged.sines
+    assert len(runs) == 5 and all(run.cycles.count == 1 for run in runs.values())
+    # a counter that nobody stated tells none apart, as before
+    assert len(parts(*[sine(0.5, 2, 8), sine(0.5, 2, 8)], segment=np.arange(1600) // 100.0).runs) == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cycle_that_was_cut_out_by_a_counter_is_whole(seed):
+    """Of 40 samples at uneven steps, the last of which goes on into the next cycle."""
+    steps = np.random.default_rng(seed).uniform(0.3, 1.2, 40)
+    steps[[0, 1, -2, -1]] = 2.0
+    path = (np.cumsum(steps) - steps[0]) / np.sum(steps) * 4
+    y = np.interp(path, [0, 1, 3, 4], [0, 1, -1, 0])
+    force = 500 * y + np.where((path < 1) | (path > 3), 80.0, -80.0)
+    cycles = find_cycles(Record(0.1 * np.arange(40), y, force))
+    assert cycles.count == 1 and cycles.frequency_Hz == pytest.approx(1 / 4.0, rel=0.01)
+    with pytest.raises(UnusableRecord, match="no full cycle"):
+        find_cycles(Record(0.1 * np.arange(36), y[:36], force[:36]))

@@ -97,13 +97,16 @@ def split(time: Array, displacement: Array, segment: Array | None = None) -> Cut
     return Cut(tuple(runs), tuple(left))
 
 
-def piece_bounds(time: Array, motion: Callable[[], Array], segment: Array | None = None) -> IntArray:
+def piece_bounds(
+    time: Array, motion: Callable[[], Array], segment: Array | None = None, *, surely: bool = False
+) -> IntArray:
     """Give where pieces begin that are different runs, and the end: time goes back or has a gap, the segment changes.
 
     Args:
         time: s, shape (n,).
         motion: gives the displacement in mm, or the first part of it, which tells how long cycles are.
         segment: shape (n,), where there is one.
+        surely: whether it was stated to tell runs apart: else one that changes with each cycle only counts these.
     """
     changes = np.empty(0, dtype=np.intp)
     if segment is not None:
@@ -120,7 +123,7 @@ def piece_bounds(time: Array, motion: Callable[[], Array], segment: Array | None
         half = float(np.median(np.abs(np.diff(time[turns])))) if len(turns) > 3 else 0.0
         cuts = cuts[(step[cuts - 1] < 0) | (step[cuts - 1] > GAP_CYCLES * 2 * half)]
         # a counter of cycles tells no runs apart
-        if np.count_nonzero(changes < len(y)) < max(len(turns) / 6, 1):
+        if surely or np.count_nonzero(changes < len(y)) < max(len(turns) / 6, 1):
             cuts = np.union1d(cuts, changes)
     return np.concatenate([[0], cuts, [len(time)]]).astype(np.intp)
 
