@@ -189,7 +189,7 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     assert told.meant(candidate.name) == "part"
     settled = add_until_settled(file, RecordTests(tests), command="test")
     first, second = settled.ladder
-    added = [(rung.change.effect, rung.kind) for rung in (first, second)]
+    added = [(str(rung.change.step), rung.kind) for rung in (first, second)]
     assert added == [(f"+ {name}", "part") for name in found.together]
     assert second.change.heldout[1] < 0.7 * first.change.heldout[0]
     assert f"{found.together[0]} needs it beside it" in second.words
