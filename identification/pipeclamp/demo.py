@@ -25,7 +25,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import stages_held
 from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, Step, reading_law, way
-from pipeclamp_identification.workflow.change import Change, add_effect
+from pipeclamp_identification.workflow.change import LawChange, add_effect
 from pipeclamp_identification.workflow.next_command import after_change, after_import
 from pipeclamp_identification.workflow.next_in_system import after_cosim
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -152,7 +152,7 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     yield folder / "2_metrics.html"
     on_unseen = [unseen.compare(file)]
     tell(f"   base law: {_errors(file, on_unseen[-1])}")
-    changes: list[Change] = []
+    changes: list[LawChange] = []
     for effect in EFFECTS:
         changes.append(add_effect(file, effect, tests, command=COMMAND, date=None))
         file = changes[-1].after
@@ -180,7 +180,7 @@ def _errors(file: LawFile, on_unseen: Comparison) -> str:
 
 
 def _law_sections(
-    file: LawFile, tests: RecordTests, changes: list[Change], on_unseen: list[Comparison], following: str
+    file: LawFile, tests: RecordTests, changes: list[LawChange], on_unseen: list[Comparison], following: str
 ) -> list[Section]:
     steps = ["base law", *(str(change.step) for change in changes)]
     falling = waterfall_picture(

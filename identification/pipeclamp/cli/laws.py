@@ -40,7 +40,7 @@ from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 
 if TYPE_CHECKING:
-    from pipeclamp_identification.workflow.change import Change
+    from pipeclamp_identification.workflow.change import LawChange
     from pipeclamp_models.law.file import LawFile
 
 app = typer.Typer()
@@ -318,7 +318,7 @@ def remove(
     """Take an effect out of a law, refit the rest, and say what the error did."""
     from pipeclamp_identification.workflow.change import remove_effect
 
-    def change(file: LawFile, **given: Any) -> Sequence[Change]:
+    def change(file: LawFile, **given: Any) -> Sequence[LawChange]:
         return [remove_effect(file, effect, **given)]
 
     _change(change, "remove", law, campaign, output, strict, reproducible)
@@ -364,14 +364,14 @@ def refit(
     """Fit a law with its effects to tests anew, as where others have joined, and say what the error did."""
     from pipeclamp_identification.workflow.change import refit as refitted
 
-    def change(file: LawFile, **given: Any) -> Sequence[Change]:
+    def change(file: LawFile, **given: Any) -> Sequence[LawChange]:
         return [refitted(file, **given)]
 
     _change(change, "refit", law, campaign, output, strict, reproducible)
 
 
 def _change(
-    change: Callable[..., Sequence[Change]],
+    change: Callable[..., Sequence[LawChange]],
     title: str,
     law: str,
     campaign: Path,

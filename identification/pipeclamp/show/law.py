@@ -9,7 +9,7 @@ from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.digits import one_digit
-from pipeclamp_identification.workflow.change import STILL_AS_GOOD, Change
+from pipeclamp_identification.workflow.change import STILL_AS_GOOD, LawChange
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 from pipeclamp_models.law.step import read_step
@@ -143,7 +143,7 @@ def _shown(entry: CoefficientEntry | None, outline: ParameterOutline | None) -> 
     return f"{cell(value_shown(entry, outline))}{error}"
 
 
-def change_table(change: Change) -> Table:
+def change_table(change: LawChange) -> Table:
     """Give what a change of a law did to the error, and which parameters came, went, or moved beyond doubt."""
     scatter = None if change.noise_nrmse is None else 100 * change.noise_nrmse
     rows: list[Sequence[str | float | None]] = [

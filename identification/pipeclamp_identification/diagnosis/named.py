@@ -7,7 +7,7 @@ from typing import Protocol, Self, TypeVar
 
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
-from pipeclamp_models.law.step import Step, read_step
+from pipeclamp_models.law.step import LawStep, read_step
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 WITH = " with "
@@ -78,7 +78,7 @@ def unproved_of(file: LawFile) -> list[str]:
     on_another_base = any(read_step(one.step).base for one in file.history)
     loaded = file.fit is not None and file.fit.mean_share is not None
     parts = [name for name in parts_of(file) if not (loaded and _is_constant(name))]
-    return [*parts, *([str(Step(base=file.base))] if on_another_base else [])]
+    return [*parts, *([str(LawStep(base=file.base))] if on_another_base else [])]
 
 
 def _is_constant(name: str) -> bool:

@@ -38,7 +38,7 @@ def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class FitStart:
     """Where a fit may start: each effect that isn't known as large as the data ask for.
 
     Attributes:
@@ -64,12 +64,12 @@ class Promise:
 
     name: str
     gain: float
-    starts: Sequence[Start]
+    starts: Sequence[FitStart]
 
 
 def promising_starts(
     structure: Structure, problem: Problem, points: Iterable[tuple[Mapping[str, float], Collection[str]]]
-) -> list[Start]:
+) -> list[FitStart]:
     """Give where a fit may start, most promising first.
 
     Args:
@@ -78,7 +78,7 @@ def promising_starts(
         points: a value for each parameter, and the names of those whose values are known.
     """
     started = [sized_and_linearised(structure, problem.coarse, point, known) for point, known in points]
-    starts = [Start(values, step, step.cost_after_one_step()) for values, step in started]
+    starts = [FitStart(values, step, step.cost_after_one_step()) for values, step in started]
     return sorted(starts, key=lambda start: start.cost)
 
 

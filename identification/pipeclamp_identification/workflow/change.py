@@ -14,14 +14,14 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import HistoryStep, Kind, LawFile, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
-from pipeclamp_models.law.step import Step
+from pipeclamp_models.law.step import LawStep
 
 STILL_AS_GOOD = 1.025
 """An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
 
 
 @dataclass(frozen=True)
-class Change:
+class LawChange:
     """A law refitted with something changed, and what that did.
 
     Attributes:
@@ -32,7 +32,7 @@ class Change:
         noise_nrmse: the scatter that no law can explain; None where it isn't known.
     """
 
-    step: Step
+    step: LawStep
     before: LawFile
     after: LawFile
     nrmse: tuple[float, float]
@@ -52,7 +52,7 @@ def add_effect(
     start: Mapping[str, float] | None = None,
     instead: Collection[str] = (),
     progress: Progress = silent,
-) -> Change:
+) -> LawChange:
     """Add an effect to a law and refit everything to tests.
 
     Args:
@@ -72,25 +72,25 @@ def add_effect(
     """
     old = structure_of(file).with_declared(declared)
     new = with_effect(replace(old, effects=tuple(name for name in old.effects if name not in instead)), effect)
-    step = Step(come=(effect,), gone=tuple(instead))
+    step = LawStep(come=(effect,), gone=tuple(instead))
     return _changed(file, new, step, tests, command=command, date=date, kind=kind, start=start, progress=progress)
 
 
 def add_effects(
     file: LawFile, effects: Sequence[str], tests: Tests, *, start: Mapping[str, float] | None = None, **given: Any
-) -> list[Change]:
+) -> list[LawChange]:
     """Add effects to a law one after the other, as `add_effect` does; give each step.
 
     The last one starts at `start`, which is of the law with all of them: one alone may do badly there.
     """
-    steps: list[Change] = []
+    steps: list[LawChange] = []
     for place, effect in enumerate(effects, 1):
         begin = start if place == len(effects) else None
         steps.append(add_effect(steps[-1].after if steps else file, effect, tests, start=begin, **given))
     return steps
 
 
-def helps(steps: Sequence[Change]) -> bool:
+def helps(steps: Sequence[LawChange]) -> bool:
     """Tell whether the last of these steps ends with a smaller error on left-out conditions than the first begins."""
     return steps[-1].heldout[1] < steps[0].heldout[0]
 
@@ -103,7 +103,7 @@ def remove_effect(
     command: str,
     date: str | None,
     progress: Progress = silent,
-) -> Change:
+) -> LawChange:
     """Take an effect out of a law and refit the rest to tests; arguments as for `add_effect`.
 
     Raises:
@@ -113,10 +113,10 @@ def remove_effect(
     if effect not in old.effects:
         raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
     new = replace(old, effects=tuple(name for name in old.effects if name != effect))
-    return _changed(file, new, Step(gone=(effect,)), tests, command=command, date=date, progress=progress)
+    return _changed(file, new, LawStep(gone=(effect,)), tests, command=command, date=date, progress=progress)
 
 
-def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progress: Progress = silent) -> Change:
+def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progress: Progress = silent) -> LawChange:
     """Fit a law as it is made to tests anew, as where others have joined; arguments as for `add_effect`.
 
     What is held stays held, and the law's history goes on.
@@ -124,18 +124,18 @@ def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progre
     Raises:
         UserError: the tests can't serve the law.
     """
-    return _changed(file, structure_of(file), Step(), tests, command=command, date=date, progress=progress)
+    return _changed(file, structure_of(file), LawStep(), tests, command=command, date=date, progress=progress)
 
 
 def without_spares(
     file: LawFile, keep: str, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
-) -> list[Change]:
+) -> list[LawChange]:
     """Take out, one after another, the effects that a law does as well without; give each step; see `add_effect`.
 
     Args:
         keep: the effect that was added last, which isn't asked.
     """
-    steps: list[Change] = []
+    steps: list[LawChange] = []
     while (spare := tests.superfluous(file, keep, progress)) is not None:
         change = remove_effect(file, spare, tests, command=command, date=date, progress=progress)
         if not stays_as_good(change):
@@ -145,12 +145,12 @@ def without_spares(
     return steps
 
 
-def stays_as_good(change: Change) -> bool:
+def stays_as_good(change: LawChange) -> bool:
     """Tell whether the error on left-out conditions rises by less than a material part, and that of all samples too."""
     return change.heldout[1] <= change.heldout[0] * STILL_AS_GOOD and fits_samples(change)
 
 
-def fits_samples(change: Change) -> bool:
+def fits_samples(change: LawChange) -> bool:
     """Tell whether the error of all samples rises by less than a material part.
 
     Left-out conditions are foretold in the harmonics that loops keep. What a law does wrong beyond them, at a reversal,
@@ -159,14 +159,14 @@ def fits_samples(change: Change) -> bool:
     return change.nrmse[1] <= change.nrmse[0] * STILL_AS_GOOD
 
 
-def as_well_without(change: Change, keep: str) -> str:
+def as_well_without(change: LawChange, keep: str) -> str:
     """Say that an effect went, and for which one."""
     return f"the law does as well without {change.step.effect}, now that it has {keep}"
 
 
 def exchange(
     file: LawFile, structure: Structure, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
-) -> Change:
+) -> LawChange:
     """Put another structure, with one thing exchanged, in a law's place and refit everything; see `add_effect`.
 
     Raises:
@@ -174,9 +174,9 @@ def exchange(
     """
     if structure.base == file.base:
         come = tuple(name for name in structure.effects if name not in file.effects)
-        step = Step(come, tuple(name for name in file.effects if name not in structure.effects))
+        step = LawStep(come, tuple(name for name in file.effects if name not in structure.effects))
     else:
-        step = Step(base=structure.base, alone=bool(file.effects) and not structure.effects)
+        step = LawStep(base=structure.base, alone=bool(file.effects) and not structure.effects)
     of_parts = any(name not in structure.effects for name in parts_of(file))
     kind: Kind | None = "part" if of_parts else None
     return _changed(file, structure, step, tests, command=command, date=date, kind=kind, progress=progress)
@@ -185,7 +185,7 @@ def exchange(
 def _changed(
     file: LawFile,
     new: Structure,
-    step: Step,
+    step: LawStep,
     tests: Tests,
     *,
     command: str,
@@ -193,7 +193,7 @@ def _changed(
     kind: Kind | None = None,
     start: Mapping[str, float] | None = None,
     progress: Progress,
-) -> Change:
+) -> LawChange:
     """Refit a law with another structure and state the error before and after."""
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, command=command, date=date)
@@ -202,4 +202,4 @@ def _changed(
     history = (*history[:-1], history[-1].model_copy(update=left))
     last = HistoryStep(step=str(step), kind=kind, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
-    return Change(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)
+    return LawChange(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

@@ -11,7 +11,7 @@ from typing import Literal
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
 from pipeclamp_identification.workflow.change import (
-    Change,
+    LawChange,
     add_effects,
     as_well_without,
     exchange,
@@ -41,7 +41,7 @@ class Rung:
         words: what to mind of it.
     """
 
-    change: Change
+    change: LawChange
     kind: Kind | Literal["revision"]
     words: tuple[str, ...]
 
@@ -214,7 +214,7 @@ class Climber:
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
         return self.climb(file, ladder, gone, before)
 
-    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Change]]:
+    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[LawChange]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
 
         The fit of the first begins at the values that are known of it; what it needs beside it is added too.
@@ -222,7 +222,7 @@ class Climber:
         Returns:
             what was tried, each in its steps; those that went aren't.
         """
-        tried: list[list[Change]] = []
+        tried: list[list[LawChange]] = []
         for name in (name for name in found.effects if name not in gone):
             whole = not tried and found.together
             tried.append(
@@ -234,7 +234,7 @@ class Climber:
 
     def _added(
         self, file: LawFile, effects: Sequence[str], kind: Kind, start: Mapping[str, float] | None = None
-    ) -> list[Change]:
+    ) -> list[LawChange]:
         return add_effects(
             file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
             start=start, progress=self.progress,
@@ -282,7 +282,7 @@ class Climber:
             return None
         return Rung(change, "revision", (f"{change.step}: the law does as well with fewer parameters",))
 
-    def _exchanged(self, file: LawFile, structure: Structure) -> Change:
+    def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
         return exchange(file, structure, self.tests, command=self.command, date=file.date, progress=self.progress)
 
 
@@ -294,7 +294,7 @@ def _turns(file: LawFile, ladder: tuple[Rung, ...], gone: Gone, found: Diagnosed
     ]
 
 
-def _rungs(found: Diagnosed, tried: Sequence[Sequence[Change]]) -> list[Rung]:
+def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]:
     """Give the rungs of what was tried last and helped."""
     kind = _kind(found)
     *before, (first, *beside) = tried
@@ -323,7 +323,7 @@ def _energy_words(file: LawFile) -> tuple[str, ...]:
     return ("over some cycles this law would create energy: `build-fmu` refuses it",) if creates_energy(file) else ()
 
 
-def _in_vain(steps: Sequence[Change]) -> InVain:
+def _in_vain(steps: Sequence[LawChange]) -> InVain:
     """Give what a law was refitted with, or without, and isn't to have."""
     without, having = rounded(steps[0].heldout[0]), rounded(steps[-1].heldout[1])
     if not steps[0].step.come:

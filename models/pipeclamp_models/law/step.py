@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-ADDED, REMOVED, IN_PLACE, ON_BASE, ALONE = "+ ", "- ", " -> ", "base ", " alone"
-REFIT = "a refit"
-AND = " and "
+_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE = "+ ", "- ", " -> ", "base ", " alone"
+_REFIT = "a refit"
+_AND = " and "
 
 
 @dataclass(frozen=True)
-class Step:
+class LawStep:
     """What was done to a law; nothing, where it was only refitted.
 
     Attributes:
@@ -33,25 +33,25 @@ class Step:
     @property
     def effect(self) -> str:
         """What came or, where nothing did, went; empty of a base and of a refit."""
-        return AND.join(self.come or self.gone)
+        return _AND.join(self.come or self.gone)
 
     def __str__(self) -> str:
         """Give it as a law's history has it."""
         if self.base:
-            return f"{ON_BASE}{self.base}{ALONE if self.alone else ''}"
+            return f"{_ON_BASE}{self.base}{_ALONE if self.alone else ''}"
         if self.come and self.gone:
-            return f"{AND.join(self.gone)}{IN_PLACE}{AND.join(self.come)}"
-        return f"{ADDED if self.come else REMOVED}{self.effect}" if self.effect else REFIT
+            return f"{_AND.join(self.gone)}{_IN_PLACE}{_AND.join(self.come)}"
+        return f"{_ADDED if self.come else _REMOVED}{self.effect}" if self.effect else _REFIT
 
 
-def read_step(text: str) -> Step:
+def read_step(text: str) -> LawStep:
     """Give a step as a law's history has it; nothing done, for the first, which says what the law began with."""
-    if text.startswith(ON_BASE):
-        base = text.removeprefix(ON_BASE)
-        return Step(base=base.removesuffix(ALONE), alone=base.endswith(ALONE))
-    if text.startswith(ADDED):
-        return Step(come=tuple(text.removeprefix(ADDED).split(AND)))
-    if text.startswith(REMOVED):
-        return Step(gone=tuple(text.removeprefix(REMOVED).split(AND)))
-    gone, arrow, come = text.partition(IN_PLACE)
-    return Step(tuple(come.split(AND)), tuple(gone.split(AND))) if arrow else Step()
+    if text.startswith(_ON_BASE):
+        base = text.removeprefix(_ON_BASE)
+        return LawStep(base=base.removesuffix(_ALONE), alone=base.endswith(_ALONE))
+    if text.startswith(_ADDED):
+        return LawStep(come=tuple(text.removeprefix(_ADDED).split(_AND)))
+    if text.startswith(_REMOVED):
+        return LawStep(gone=tuple(text.removeprefix(_REMOVED).split(_AND)))
+    gone, arrow, come = text.partition(_IN_PLACE)
+    return LawStep(tuple(come.split(_AND)), tuple(gone.split(_AND))) if arrow else LawStep()
