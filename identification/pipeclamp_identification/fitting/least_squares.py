@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.fitting.beforehand import (
     AT_BOUND,
@@ -34,7 +33,7 @@ from pipeclamp_identification.fitting.starts import (
     starts_of_effects,
 )
 from pipeclamp_identification.signals.levels import count_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
@@ -92,7 +91,7 @@ class Fit:
     groups: tuple[Groups, ...] = ()
 
     @property
-    def places(self) -> npt.NDArray[np.intp]:
+    def places(self) -> IntArray:
         """Places of the fitted parameters among all of the law's."""
         place = {name: index for index, name in enumerate(self.equations.names)}
         return np.array([place[name] for name in self.fitted], dtype=np.intp)
@@ -154,7 +153,7 @@ class _Evaluator:
 
     law: _Remembered
     values: Array
-    free: npt.NDArray[np.intp]
+    free: IntArray
 
     @property
     def observations(self) -> Observations:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.error_pictures import ConditionsMap, bars_of, conditions_picture, error_bars
@@ -22,9 +21,7 @@ from pipeclamp_identification.on_pipe.series import Series, series_of
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.on_pipe.where import beyond_laws, how_much, where_words
 from pipeclamp_identification.signals.levels import number_levels
-
-Rows = NDArray[np.intp]
-Complex = NDArray[np.complex128]
+from pipeclamp_models.base.arrays import ComplexArray
 
 MEASURED_NAME = "measured"
 CORRECTED = SERIES[0]
@@ -77,7 +74,7 @@ def response_picture(
         row_heights=[0.65, 0.35], subplot_titles=[_panel_title(comparison, one, column) for one in shown],
     )  # fmt: skip
     steady = comparison.measurement.steady
-    drawn: list[tuple[Complex, str, dict[str, Any]]] = [
+    drawn: list[tuple[ComplexArray, str, dict[str, Any]]] = [
         (steady.response, MEASURED_NAME, {"mode": "markers", "marker": {"color": MEASURED, "size": 7}}),
         (comparison.prediction.response, "model", {"mode": "lines", "line": {"color": MODEL, "width": 1.6}}),
     ]
