@@ -111,14 +111,14 @@ class Fit:
         """Give the standard error of each fitted parameter by name."""
         return dict(zip(self.fitted, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
-    def strong_correlations(self, limit: float = STRONG_CORRELATION) -> list[tuple[str, str, float]]:
-        """Give the pairs of parameters whose correlation exceeds the limit, strongest first."""
+    def strong_correlations(self) -> list[tuple[str, str, float]]:
+        """Give the pairs of parameters whose correlation exceeds `STRONG_CORRELATION`, strongest first."""
         scale = np.sqrt(np.diag(self.covariance))
         correlation = self.covariance / np.outer(scale, scale)
         pairs = [
             (self.fitted[i], self.fitted[j], float(np.clip(correlation[i, j], -1, 1)))
             for i, j in itertools.combinations(range(len(self.fitted)), 2)
-            if abs(correlation[i, j]) > limit
+            if abs(correlation[i, j]) > STRONG_CORRELATION
         ]
         return sorted(pairs, key=lambda pair: -abs(pair[2]))
 
