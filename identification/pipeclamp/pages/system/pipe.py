@@ -13,7 +13,7 @@ from plotly.subplots import make_subplots
 from pipeclamp.pages.error_pictures import ConditionsMap, bars_of, conditions_picture, error_bars
 from pipeclamp.pages.page import MEASURED, MODEL, SERIES, Section, styled
 from pipeclamp.pages.system.bands import FAINT, add_area
-from pipeclamp.show.comparison import parts_table
+from pipeclamp.show.comparison import beside_even, parts_table
 from pipeclamp_identification.on_pipe.bands import PipeBands
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable
 from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, Prediction
@@ -30,8 +30,8 @@ MOST_PANELS = 6
 """Series of sines side by side in a picture; of more, the worst."""
 PANEL_WIDTH = 250
 EVEN = (
-    "Beside the share of the squared error that a part holds stands the share that it would hold if the model erred by "
-    "the same part of what was measured everywhere. Amplitude and phase are each held against the whole."
+    f"{beside_even('the model erred by the same part of what was measured everywhere')} "
+    "Amplitude and phase are each held against the whole."
 )
 
 
