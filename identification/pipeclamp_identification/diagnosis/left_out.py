@@ -64,7 +64,7 @@ class LeftOutScore:
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class WithoutGroups:
     """A fit to all runs, prepared for leaving groups out.
 
     Attributes:

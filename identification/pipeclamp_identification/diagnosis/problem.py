@@ -11,7 +11,7 @@ import numpy as np
 from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
-from pipeclamp_identification.diagnosis.left_out import LeftOut, LeftOutScore, Whitened, whitened
+from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.fitting.group_factors import GroupFactors
@@ -239,7 +239,7 @@ def judge(
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise, fitted.factors) if problem.discrepancy else fitted
-    left_out = LeftOut(result, problem.observations, problem.coarse, fitted)
+    left_out = WithoutGroups(result, problem.observations, problem.coarse, fitted)
     score = left_out.score(problem.groups)
     plain = problem.plain_residual(result.law_force)
     lack = lack_of_fit(

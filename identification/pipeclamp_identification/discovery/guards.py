@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeclamp_fmu.build import creates_energy, passivity
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
-from pipeclamp_identification.diagnosis.left_out import LeftOut
+from pipeclamp_identification.diagnosis.left_out import WithoutGroups
 from pipeclamp_identification.diagnosis.named import WITH
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -157,7 +157,7 @@ def _squares_left_out(judged: Judged, problem: Problem, groups: IntArray) -> flo
         result.equations, law.vector(result.equations), (law.v_r, law.y_r), problem.observations.motion,
         derivatives=True,
     )  # fmt: skip
-    whole = LeftOut(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
+    whole = WithoutGroups(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
     return float(whole.score(groups).squares.sum())
 
 

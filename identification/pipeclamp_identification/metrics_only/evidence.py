@@ -187,7 +187,7 @@ def heldout_squares(structure: Structure, observations: MetricObservations, star
 
 
 @dataclass
-class LeftOut:
+class LeftOutErrors:
     """Errors of laws on left-out conditions, each law's once.
 
     Attributes:

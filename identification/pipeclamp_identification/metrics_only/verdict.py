@@ -14,7 +14,7 @@ from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.evidence import (
     EXPECTED_FREEDOMS,
-    LeftOut,
+    LeftOutErrors,
     MetricJudged,
     Scatter,
     chance,
@@ -206,7 +206,7 @@ def diagnose_metrics(
     hidden = {entry.name: entry.hidden for entry in looks if entry.hidden and entry.name not in beside}
     hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
     lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
-    heldout = LeftOut(observations, tell)
+    heldout = LeftOutErrors(observations, tell)
     scales = MetricScales(law, richest, candidates, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)
     rests_on: tuple[int, ...] = ()
