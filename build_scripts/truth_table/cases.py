@@ -55,6 +55,8 @@ SEVERAL = (
 """Three to five effects at once; none of them imitates another."""
 SCATTER = (0.002, 0.004)
 """Run-to-run scatter of stiffness and damping in rough cases."""
+ZEROS = (0.005, 0.002)
+"""By which zeros differ from run to run in rough cases: shares of the rms force and of the largest amplitude."""
 COLOURED = 0.3
 MOST_COARSE = 80.0
 """A proposed test is sampled at least so many times a cycle."""
@@ -370,12 +372,16 @@ class Measured:
 
 def quality_of(drawn: Drawn, noise: float) -> Quality:
     """Give how well the rig of a case measures, at this rms of the force noise in N."""
+    rough = drawn.case.form == "rough"
+    force_zero, displacement_zero = ZEROS if rough else (0.0, 0.0)
     return Quality(
         noise=noise,
-        coloured=COLOURED if drawn.case.form == "rough" else 0.0,
+        coloured=COLOURED if rough else 0.0,
         displacement_noise=1e-4,
         force_step=noise / 3,
         displacement_step=1e-5,
+        force_zero=force_zero * drawn.force_rms,
+        displacement_zero=displacement_zero * max(plan(drawn.case.design).amplitudes),
     )
 
 

@@ -79,6 +79,7 @@ class Quality:
         coloured: share of its power that is slow (AR(1) with 0.2 s).
         displacement_noise: rms, mm.
         force_step, displacement_step: quantisation, N and mm.
+        force_zero, displacement_zero: by which the zeros differ from run to run, rms, N and mm.
     """
 
     noise: float
@@ -86,6 +87,8 @@ class Quality:
     displacement_noise: float
     force_step: float
     displacement_step: float
+    force_zero: float
+    displacement_zero: float
 
 
 SLOW = 0.2
@@ -185,8 +188,9 @@ def measured(time: Array, y: Array, force: Array, quality: Quality, random: np.r
     for index in range(1, force.shape[1]):
         slow[:, index] = decay * slow[:, index - 1] + np.sqrt(1 - decay**2) * kicks[:, index]
     noise = quality.noise * (np.sqrt(1 - quality.coloured) * white + np.sqrt(quality.coloured) * slow)
-    shown = force + noise
-    place = y + quality.displacement_noise * random.standard_normal(y.shape)
+    zeros = random.standard_normal((2, len(force), 1))
+    shown = force + noise + quality.force_zero * zeros[0]
+    place = y + quality.displacement_noise * random.standard_normal(y.shape) + quality.displacement_zero * zeros[1]
     return _quantised(place, quality.displacement_step), _quantised(shown, quality.force_step)
 
 

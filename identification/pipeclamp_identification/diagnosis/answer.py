@@ -80,11 +80,12 @@ class LackAnswer(AnswerModel):
 
 
 class ScatterAnswer(AnswerModel):
-    """Scatter from run to run: shares of stiffness and damping, and the mean force in N."""
+    """Scatter from run to run: shares of stiffness and damping, the mean force, and the displacement's zero."""
 
     stiffness: float
     damping: float
     mean_N: float
+    zero_mm: float
 
 
 class NextTestAnswer(AnswerModel):
@@ -141,6 +142,7 @@ class DiagnosisAnswer(AnswerModel):
 def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str) -> DiagnosisAnswer:
     """Give what a diagnosis found, the ladder before it, and the command to run next."""
     diagnosis = found.diagnosis
+    scatter = diagnosis.problem.noise.scatter
     return DiagnosisAnswer(
         verdict=found.verdict,
         effects=found.effects,
@@ -166,9 +168,10 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
             limit=diagnosis.tolerance.complete,
         ),
         scatter=ScatterAnswer(
-            stiffness=diagnosis.problem.noise.stiffness_scatter,
-            damping=diagnosis.problem.noise.damping_scatter,
-            mean_N=diagnosis.problem.noise.mean_scatter,
+            stiffness=scatter.stiffness,
+            damping=scatter.damping,
+            mean_N=scatter.mean_N,
+            zero_mm=scatter.zero_mm,
         ),
         next_test=_next_test(found.proposal) if found.proposal else None,
         no_next_test=found.no_test or None,

@@ -19,6 +19,8 @@ INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
 BY_CHANCE = 2.0
 """Standard errors by which scatter may have added to what follows the conditions, or hidden of it."""
+SCATTERED = 1e-3
+"""Share of a harmonic's variance below which its being scatter from run to run leaves it as well known as noise."""
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
 
@@ -58,7 +60,7 @@ class LackOfFit:
         sure_share: the same, less what scatter may have added to it by chance.
         most_share: the same, with what scatter may have taken from it by chance.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
-            small.
+            small. Of the mean force only what scatter can't have made, in the shares too.
     """
 
     p_value: float
@@ -98,21 +100,29 @@ def lack_of_fit(
     freedoms = smooth.shape[1] - taken
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
-    alone = stats.chi2.sf(explained, np.maximum(freedoms, 1.0))
-    p_values.append(min(1.0, channels * float(alone.min())))
-    p_values.append(_least_likely(directed, fitted.residual, flat, runs - smooth.shape[1]))
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN
     variance = np.where(seen, noise.total_variance(), 0.0)
     expected = (leverage @ variance) * freedoms / smooth.shape[1]
+    # Scatter is told by as many runs as smooth functions leave (Welch and Satterthwaite), noise by all samples.
+    free = max(runs - smooth.shape[1], 1)
+    of_noise = leverage @ np.where(seen, noise.variance, 0.0)
+    scattered = 1 - np.divide(of_noise, leverage @ variance, out=np.ones(channels), where=of_noise > 0)
+    told_by = free / np.maximum(scattered, SCATTERED) ** 2
+    wanted = np.maximum(freedoms, 1.0)
+    alone = stats.f.sf(explained / wanted, wanted, told_by)
+    p_values.append(min(1.0, channels * float(alone.min())))
+    p_values.append(_least_likely(directed, fitted.residual, flat, free))
     by_channel = (np.sum((smooth.T @ np.where(seen, plain, 0.0)) ** 2, axis=0) - expected) / runs
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
     # Of a sum of as many squares as there are freedoms.
     error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
     error[1:] /= 2
+    # Mean forces may scatter by more than a loop's noise: of them counts what scatter can't have made.
+    by_channel[0] = max(by_channel[0] - BY_CHANCE * error[0], min(by_channel[0], 0.0))
     excess = _mean_and_loop(by_channel)
-    chance = BY_CHANCE * np.array([error[0], np.linalg.norm(error[1:])])
+    chance = np.array([0.0, BY_CHANCE * np.linalg.norm(error[1:])])
     share, sure_share, most_share = (
         float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, excess - chance, excess + chance)
     )

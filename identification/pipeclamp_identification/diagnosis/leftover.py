@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NOISE_RATIO, LINE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit
-from pipeclamp_identification.loops.loops import on_grid
+from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, BoolArray
 
@@ -95,6 +96,7 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
         named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_NAMED])
         named += f" and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
         not_periodic.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
+        not_periodic += harmonics_at(lines[:MOST_NAMED], problem.loops)
     fractions = () if smoothed else fractional_lines(campaign, misfits)
     if fractions:
         named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
@@ -102,6 +104,25 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
             f"a force at {named} times the drive's frequency: it follows the motion, but not every cycle alike"
         )
     return Leftover(words, tuple(not_periodic), phase, shape, lines, fractions)
+
+
+def harmonics_at(lines: Sequence[float], loops: Loops) -> list[str]:
+    """Say of which runs a line that is locked to time is a harmonic, and so passes for a part of their loops.
+
+    Args:
+        lines: frequencies, Hz.
+        loops: the tests.
+    """
+    f = loops.frequency_Hz
+    width = f / np.maximum([len(cycles) for cycles in loops.cycles], 1)
+    said = []
+    for line in lines:
+        order = np.rint(line / f)
+        met = (order >= 1) & (order < loops.force.shape[1]) & (np.abs(order * f - line) < width)
+        for one in np.unique(order[met]):
+            at = f"{np.median(f[met & (order == one)]):.3g}"
+            said.append(f"of the runs at {at} Hz it is harmonic {one:.0f}, and passes for a part of their loops")
+    return said
 
 
 def _along_cycle(residual: Array) -> Array:

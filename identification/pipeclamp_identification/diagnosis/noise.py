@@ -1,9 +1,9 @@
 """An honest noise model: what scatters between cycles, and what scatters between runs.
 
 Three parts. White sensor noise, each run with its own level. Slow, coloured noise: how much stronger scatter is at low
-absolute frequencies, pooled over runs. Scatter of stiffness, of damping and of the mean force from run to run: by how
-much a whole run's elastic, damping or mean force is off, estimated from what of the residuals doesn't follow the
-conditions smoothly.
+absolute frequencies, pooled over runs. Scatter from run to run: by how much a whole run's elastic, damping or mean
+force, or the zero of its displacement, is off, estimated from what of the residuals doesn't follow the conditions
+smoothly.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.optimize import brentq
 
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter, directions
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Poolings
 from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis, trends
@@ -25,7 +27,7 @@ WHITE_FROM = 5
 """Harmonics from this one on show the white level of a run."""
 MOST_SCATTER = 0.02
 """Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter; so
-is a mean force that differs by more than this share of the force."""
+is a mean force that differs by more than this share of the force, a zero by more than this share of the amplitude."""
 UNSEEN = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
@@ -84,46 +86,46 @@ class NoiseModel:
 
     Attributes:
         variance: from cycles, N2, shape (R, 2 H + 1), ordered as `harmonics_of` orders them.
-        elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, same shape.
-        stiffness_scatter, damping_scatter: standard deviation of that share from run to run.
-        mean_scatter: standard deviation of the mean force from run to run, N: of a load that is hung on, a preload that
-            is set, the zeros of the channels.
-        most_mean: N, beyond which it would be no rig's.
+        directions: what of the harmonics goes with what scatters from run to run.
+        scatter: from run to run.
+        most_mean: scatter of the mean force, N, beyond which it would be no rig's.
     """
 
     variance: Array
-    elastic: Array
-    damping: Array
-    stiffness_scatter: float
-    damping_scatter: float
-    mean_scatter: float
+    directions: Directions
+    scatter: RunScatter
     most_mean: float
 
     @property
     def is_no_rigs(self) -> bool:
         """Whether more would have to scatter from run to run than on any rig."""
-        of_mean = 0.0 < self.most_mean <= self.mean_scatter
-        return of_mean or max(self.stiffness_scatter, self.damping_scatter) >= MOST_SCATTER
+        of_mean = 0.0 < self.most_mean <= self.scatter.mean_N
+        return of_mean or max(self.scatter.stiffness, self.scatter.damping) >= MOST_SCATTER
 
     @property
     def mean_shows(self) -> bool:
         """Whether mean forces scatter by more than noise makes of them."""
-        return self.mean_scatter**2 > float(np.median(self.variance[:, 0]))
+        return self.scatter.mean_N**2 > float(np.median(self.variance[:, 0]))
+
+    @property
+    def zero_shows(self) -> bool:
+        """Whether the displacement's zero scatters by more than noise makes of it."""
+        made = np.sum((self.scatter.zero_mm * self.directions.shifted) ** 2, axis=1)
+        return float(np.median(made)) > float(np.median(self.variance[:, 0]))
 
     def total_variance(self) -> Array:
         """Give the variance of each harmonic part, scatter between runs included, N2, shape (R, 2 H + 1)."""
-        elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
-        return np.asarray(self.noise_and_mean() + elastic**2 + damping**2)
+        return np.asarray(self.noise_and_mean() + np.sum(self.scatter.by_harmonics(self.directions) ** 2, axis=0))
 
     def noise_and_mean(self) -> Array:
         """Give the variance of each harmonic part by noise and scatter of the mean force, N2, shape (R, 2 H + 1)."""
         variance = self.variance.copy()
-        variance[:, 0] += self.mean_scatter**2
+        variance[:, 0] += self.scatter.mean_N**2
         return variance
 
     def no_scatter(self, residual: Array) -> Array:
-        """Give residuals, N, shape (R, 2 H + 1), without what scatter of stiffness and damping can make of them."""
-        for direction in (self.elastic, self.damping):
+        """Give residuals, N, shape (R, 2 H + 1), without what scatter of harmonics can make of them."""
+        for direction in self.directions.all():
             size = np.maximum(np.sum(direction**2, axis=1, keepdims=True), np.finfo(np.float64).tiny)
             residual = residual - np.sum(residual * direction, axis=1, keepdims=True) / size * direction
         return residual
@@ -134,64 +136,75 @@ class NoiseModel:
         Args:
             discrepancy: variance of each harmonic part that a law's form is granted besides the noise, N2.
         """
-        runs, size = self.variance.shape
-        covariance = np.zeros((runs, size, size))
-        covariance[:, np.arange(size), np.arange(size)] = self.noise_and_mean() + discrepancy
-        for direction, scatter in ((self.elastic, self.stiffness_scatter), (self.damping, self.damping_scatter)):
-            covariance += scatter**2 * direction[:, :, None] * direction[:, None, :]
+        size = self.variance.shape[1]
+        covariance = self.scatter.covariance(self.directions)
+        covariance[:, np.arange(size), np.arange(size)] += self.variance + discrepancy
         lower = np.linalg.cholesky(covariance)
         return np.asarray(np.linalg.solve(lower, np.broadcast_to(np.eye(size), covariance.shape)))
 
     def share_trends(self, loops: Loops) -> Array:
         """Give stiffness and damping that follow each condition by itself, N, shape (c, 2, R, m)."""
-        directions = np.stack([self.elastic, self.damping])
-        return np.asarray(trends(loops).T[:, None, :, None] * directions)
+        both = np.stack([self.directions.elastic, self.directions.damping])
+        return np.asarray(trends(loops).T[:, None, :, None] * both)
 
 
-def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
+def noise_model(loops: Loops, shifted: Array, residual: Array | None = None) -> NoiseModel:
     """Estimate the noise model.
 
     Args:
         loops: R runs.
+        shifted: what a shift of the displacement does to the law's loops, N/mm, shape (R, 2 H + 1).
         residual: measured less law in N, shape (R, 2 H + 1), of the best law so far; None leaves out the scatter
             between runs.
     """
     per_harmonic = cycle_variance(loops)
     variance = np.concatenate([per_harmonic[:, :1], np.repeat(per_harmonic[:, 1:], 2, axis=1)], axis=1)
-    elastic, damping = np.zeros_like(variance), np.zeros_like(variance)
-    elastic[:, 1::2] = loops.force[:, 1:].real
-    damping[:, 2::2] = loops.force[:, 1:].imag
+    harmonics = np.zeros_like(variance)
+    harmonics[:, 1::2], harmonics[:, 2::2] = loops.force[:, 1:].real, loops.force[:, 1:].imag
+    off = directions(harmonics, shifted)
     most_mean = MOST_SCATTER * float(np.median(loops.force_rms_N))
-    scatter = [0.0, 0.0, 0.0]
+    scatter = RunScatter()
     if residual is not None:
         smooth = smooth_basis(loops)
         mean = np.zeros_like(variance)
         mean[:, 0] = 1.0
-        scatter = [
-            _scatter(residual, direction, variance, smooth, most)
-            for direction, most in ((elastic, MOST_SCATTER), (damping, MOST_SCATTER), (mean, most_mean))
-        ]
-    stiffness_scatter, damping_scatter, mean_scatter = scatter
-    return NoiseModel(variance, elastic, damping, stiffness_scatter, damping_scatter, mean_scatter, most_mean)
+        scatter = RunScatter(
+            stiffness=_scatter(residual, off.elastic, variance, smooth, MOST_SCATTER),
+            damping=_scatter(residual, off.damping, variance, smooth, MOST_SCATTER),
+            mean_N=_scatter(residual, mean, variance, smooth, most_mean),
+            zero_mm=_scatter(
+                residual, off.shifted, variance, smooth, MOST_SCATTER * float(np.median(loops.amplitude_mm))
+            ),
+        )
+    return NoiseModel(variance, off, scatter, most_mean)
 
 
 def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array, most: float) -> float:
     """Estimate the scatter from run to run of the share by which a direction's force is off; not above `most`.
 
     Each run's share is its residual's weighted projection on the direction. What follows the conditions smoothly is
-    taken for missing physics; the rest, less what cycle noise makes of it, is scatter.
+    taken for missing physics; the rest is as large as cycle noise and scatter together make it (Paule and Mandel, J.
+    Res. NBS 87, 1982: the mean over groups of unequal accuracy).
     """
     weight = np.sum(direction**2 / variance, axis=1)
     known = weight > 0
     share = np.sum(residual * direction / variance, axis=1)[known] / weight[known]
-    basis = np.linalg.qr(smooth[known])[0]
-    leverage = np.sum(basis**2, axis=1)
-    rest = share - basis @ (basis.T @ share)
-    free = len(share) - basis.shape[1]
+    free: int = len(share) - smooth.shape[1]
     if free < 1:
         return 0.0
-    excess = np.sum(rest**2) - np.sum((1 - leverage) / weight[known])
-    return min(float(np.sqrt(max(excess, 0.0) / free)), most)
+
+    def squares_too_many(share_of_most: float) -> float:
+        accuracy = 1.0 / np.sqrt((share_of_most * most) ** 2 + 1.0 / weight[known])
+        basis = np.linalg.qr(accuracy[:, None] * smooth[known])[0]
+        rest = accuracy * share
+        rest = rest - basis @ (basis.T @ rest)
+        return float(rest @ rest) - free
+
+    if squares_too_many(0.0) <= 0.0:
+        return 0.0
+    if squares_too_many(1.0) >= 0.0:
+        return most
+    return most * float(brentq(squares_too_many, 0.0, 1.0))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model
+from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
@@ -169,7 +170,9 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
     factors = factors_of(first.groups, loops, harmonics)
     residual = harmonics.plain_residual(first.law_force)
-    noise = noise_model(loops, residual if factors is None else residual - factors.beside(first.law_force).force())
+    if factors is not None:
+        residual = residual - factors.beside(first.law_force).force()
+    noise = noise_model(loops, of_a_shift(first.law, harmonics.motion, harmonics.transformed), residual)
     groups = condition_groups(loops)
     few = _as_seen_at_few(coarser(loops, harmonics), harmonics, first)
     return Problem(
@@ -180,13 +183,9 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
 def weighed_for(problem: Problem, best: Fit) -> Problem:
     """Estimate noise and discrepancy with the best law so far: the better it is, the less physics hides in them."""
     residual = problem.plain_residual(best.law_force)
-    again = noise_model(problem.loops, residual)
-    noise = replace(
-        again,
-        stiffness_scatter=min(again.stiffness_scatter, problem.noise.stiffness_scatter),
-        damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
-        mean_scatter=min(again.mean_scatter, problem.noise.mean_scatter),
-    )
+    shifted = of_a_shift(best.law, problem.harmonics.motion, problem.harmonics.transformed)
+    again = noise_model(problem.loops, shifted, residual)
+    noise = replace(again, scatter=again.scatter.least(problem.noise.scatter))
     seen = problem.harmonics.seen
     # Also of what no scatter makes: where scatter could make all of the size, the form may still be another one.
     excess = (residual**2 - noise.total_variance(), noise.no_scatter(residual) ** 2 - noise.noise_and_mean())

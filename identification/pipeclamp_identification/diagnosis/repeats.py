@@ -74,7 +74,7 @@ def unstated(loops: Loops, noise: NoiseModel, residual: Array, missed: Array) ->
     if free == 0:
         return None
     shares = {}
-    for name, direction in (("stiffness", noise.elastic), ("damping", noise.damping)):
+    for name, direction in (("stiffness", noise.directions.elastic), ("damping", noise.directions.damping)):
         weight = np.sum(direction**2 / noise.variance, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             share, from_noise = np.sum(residual * direction / noise.variance, axis=1) / weight, 1 / weight

@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.left_out import WithoutGroups
 from pipeclamp_identification.diagnosis.named import WITH
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
@@ -210,14 +211,10 @@ def squared_errors(law: Law, loops: Loops) -> Array:
 
 def weighed_errors(law: Law, loops: Loops, problem: Problem) -> Array:
     """Give the squared error of each run in units of its noise, of scatter from run to run, and of what laws miss."""
-    known = problem.noise
-    noise = replace(
-        noise_model(loops),
-        stiffness_scatter=known.stiffness_scatter,
-        damping_scatter=known.damping_scatter,
-        mean_scatter=known.mean_scatter,
-    )
-    observations = WhitenedObservations(loop_observations(loops), noise.whitener(problem.discrepancy))
+    plain = loop_observations(loops)
+    shifted = of_a_shift(law, plain.motion, plain.transformed)
+    noise = replace(noise_model(loops, shifted), scatter=problem.noise.scatter)
+    observations = WhitenedObservations(plain, noise.whitener(problem.discrepancy))
     residual = observations.against_noise(force_of_law(law, observations.motion))
     return np.asarray(np.sum(residual**2, axis=1))
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, run_scatter, sensor_noise
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, sensor_noise
+from pipeclamp_identification.diagnosis.run_scatter import RunScatter, directions
 from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
@@ -129,7 +130,8 @@ def scene(
     tell = progress or (lambda what: None)
     bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], POINTS)
     force, slopes = _foretold(bare, motion)
-    covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + run_scatter(force, scatter, scatter)
+    between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, np.zeros_like(force)))
+    covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + between_runs
     empty = Scene(
         grid, (), (), _rms(force), noise_N, (), covariance, slopes,
         np.zeros((0, *force.shape)),

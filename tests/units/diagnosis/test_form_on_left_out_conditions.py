@@ -9,6 +9,7 @@ from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import beyond_scatter
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
@@ -43,7 +44,7 @@ def test_runs_that_are_never_left_out_say_nothing():
 def weighed_for_form(errors, proved=True):
     """Weigh a law that leaves 0.6 times the noise over at tested conditions, which scatter can't hide."""
     none = np.zeros((RUNS, CHANNELS))
-    noise = NoiseModel(np.full((RUNS, CHANNELS), SCATTER**2), none, none, 0.0, 0.0, 0.0, 0.0)
+    noise = NoiseModel(np.full((RUNS, CHANNELS), SCATTER**2), Directions(none, none, none), RunScatter(), 0.0)
     scatter = SCATTER**2 * (1 + (CHANNELS - 1) / 2)
     loops = SimpleNamespace(scatter_rms_N=np.full(RUNS, NOISE), run=np.arange(RUNS))
     problem = SimpleNamespace(noise=noise, groups=GROUPS, loops=loops)

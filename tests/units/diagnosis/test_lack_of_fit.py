@@ -8,6 +8,7 @@ import pytest
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.diagnosis.weighing.reasons import scatter_words
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 
@@ -24,7 +25,7 @@ def told(random: np.random.Generator, repeats: int) -> LackOfFit:
     residual = SCATTER * random.standard_normal((runs, CHANNELS))
     residual[:, 1] += np.sqrt(2) * HIDDEN * follows / np.sqrt(np.mean(follows**2))
     none = np.zeros_like(residual)
-    model = NoiseModel(np.full_like(residual, SCATTER**2), none, none, 0.0, 0.0, 0.0, 0.0)
+    model = NoiseModel(np.full_like(residual, SCATTER**2), Directions(none, none, none), RunScatter(), 0.0)
     fitted = Whitened(residual / SCATTER, np.zeros((runs, CHANNELS, 1)), np.zeros(0))
     smooth = smooth_functions(A, f, np.full(runs, 293.15), (), [None] * runs)
     return lack_of_fit(fitted, residual, model, smooth, np.zeros((1, 1, runs, CHANNELS)), np.full(runs, NOISE))
@@ -59,7 +60,8 @@ def test_repeats_leave_scatter_less_to_hide():
 )
 def test_what_scatter_may_hide_is_no_share_that_follows_the_conditions(share, words):
     """A complete law's reason had said that 99.9 % of the force noise follow the conditions, "the rest is noise"."""
-    problem = SimpleNamespace(noise=SimpleNamespace(stiffness_scatter=0.002, damping_scatter=0.0, mean_shows=False))
+    noise = SimpleNamespace(scatter=RunScatter(stiffness=0.002), mean_shows=False, zero_shows=False)
+    problem = SimpleNamespace(noise=noise)
     assert scatter_words(SimpleNamespace(share=share, p_value=0.5), problem).startswith(words)
 
 
@@ -67,7 +69,8 @@ def test_what_scatter_makes_is_no_lack_of_form_and_the_rest_is():
     """A residual of the size that scatter may have, but of another form, had counted as scatter: weights ran away."""
     elastic = np.array([[0.0, 300.0, 0.0, 30.0, 0.0], [0.0, 100.0, 0.0, -5.0, 0.0]])
     damping = np.array([[0.0, 0.0, 80.0, 0.0, 9.0], [0.0, 0.0, 0.0, 0.0, 0.0]])
-    noise = NoiseModel(np.full((2, 5), 0.01), elastic, damping, 0.02, 0.02, 0.0, 0.0)
+    directions = Directions(elastic, damping, np.zeros_like(elastic))
+    noise = NoiseModel(np.full((2, 5), 0.01), directions, RunScatter(0.02, 0.02), 0.0)
     form = np.array([[1.0, -0.3, 0.0, 3.0, 0.0], [0.5, 0.0, 2.0, 0.0, -1.0]])
     scattered = 0.015 * elastic - 0.01 * damping
     assert noise.no_scatter(scattered) == pytest.approx(0.0, abs=1e-12)

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.diagnosis.weighing.reasons import hidden_words, immaterial_words, pair_words
 
-SCATTER = SimpleNamespace(stiffness_scatter=0.004, damping_scatter=0.0, mean_scatter=12.0, mean_shows=True)
+SCATTER = SimpleNamespace(
+    scatter=RunScatter(stiffness=0.004, mean_N=12.0, zero_mm=0.0123), mean_shows=True, zero_shows=True
+)
 PROBLEM = SimpleNamespace(loops=SimpleNamespace(run=range(24)), groups=np.arange(2), noise=SCATTER)
 
 
@@ -68,7 +71,7 @@ def test_why_two_effects_in_the_table_are_not_named_is_said(squares, best, said)
 
 def test_what_scatter_may_hide_is_told_in_times_of_the_noise():
     words = hidden_words(LAW.lack, PROBLEM)
-    assert "scatter from run to run (0.40% of stiffness and 12 N of the mean force) may hide" in words
+    assert "(0.40% of stiffness, 12 N of the mean force and 0.012 mm of the displacement's zero) may hide" in words
     assert "that it is up to 4.3 times the force noise, and these 24 runs" in words
 
 

@@ -21,25 +21,45 @@ BASE = {
 LOAD_N, SCATTER_N = 800.0, 8.0
 
 
+def off_by_zeros(folder, law, force_N, displacement_mm):
+    """Give a virtual campaign of which the zeros of force and displacement are off by so much (rms) in each run."""
+    random = np.random.default_rng(5)
+
+    def off(record):
+        zeros = random.standard_normal(2)
+        return replace(
+            record,
+            force_N=record.force_N + force_N * zeros[0],
+            displacement_mm=record.displacement_mm + displacement_mm * zeros[1],
+        )
+
+    runs = rig.virtual_runs(law, rig.TestPlan(rate=500.0, seed=3))
+    write_campaign(folder, (WrittenRun(run.row, off(run.record)) for run in runs), name="off", notes="")
+    return read_campaign(folder)
+
+
 def loaded(folder, effects, **values):
     """Give a virtual campaign under a load that is off by SCATTER_N rms in each run."""
-    random = np.random.default_rng(5)
     law = Law(Structure("power", effects), {**BASE, **values, "F_o": LOAD_N}, 0.0126, 0.002)
-    off = (
-        WrittenRun(
-            run.row, replace(run.record, force_N=run.record.force_N + SCATTER_N * random.standard_normal())
-        )
-        for run in rig.virtual_runs(law, rig.TestPlan(rate=500.0, seed=3))
-    )  # fmt: skip
-    write_campaign(folder, off, name="loaded", notes="")
-    return read_campaign(folder)
+    return off_by_zeros(folder, law, SCATTER_N, 0.0)
 
 
 def test_a_load_that_scatters_is_nothing_missing(tmp_path):
     found = diagnose(Structure("power", ("offset",)), loaded(tmp_path / "campaign", ("offset",)))
     assert (found.verdict, found.effects) == ("complete", ())
     assert "N of the mean force from run to run" in found.reasons[0]
-    assert found.problem.noise.mean_scatter == pytest.approx(SCATTER_N, rel=0.4)
+    assert found.problem.noise.scatter.mean_N == pytest.approx(SCATTER_N, rel=0.4)
+
+
+def test_zeros_of_the_displacement_that_scatter_are_nothing_missing(tmp_path):
+    """A hardening clamp whose displacement is measured from a place that is off has even harmonics in each run."""
+    zero_mm = 0.003
+    law = Law(Structure("power"), {**BASE, "k30": 900.0, "k3_A": 0.0}, 0.0126, 0.002)
+    tests = off_by_zeros(tmp_path / "campaign", law, 0.0, zero_mm)
+    found = diagnose(Structure("power"), tests)
+    assert found.verdict == "complete"
+    assert found.problem.noise.scatter.zero_mm == pytest.approx(zero_mm, rel=0.4)
+    assert "mm of the displacement's zero" in found.reasons[0]
 
 
 def test_means_that_stuck_elements_leave_open_may_scatter_as_the_load_does(tmp_path):

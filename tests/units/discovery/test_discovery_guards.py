@@ -14,6 +14,7 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.discovery import discover, guards
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
@@ -389,7 +390,7 @@ def test_the_scatter_of_stiffness_does_not_outvote_what_a_term_explains(tmp_path
     loops = loops_of(read_campaign(tmp_path / "campaign"))
     stiffer = Law(law.structure, {**law.values, "k10": 1.01 * law.values["k10"]}, law.v_r, law.y_r)
     thicker = Law(law.structure, {**law.values, "c0": 1.05 * law.values["c0"]}, law.v_r, law.y_r)
-    known = SimpleNamespace(stiffness_scatter=0.01, damping_scatter=0.0, mean_scatter=0.0)
+    known = SimpleNamespace(scatter=RunScatter(stiffness=0.01))
     weighed = [
         weighed_errors(one, loops, SimpleNamespace(noise=known, discrepancy=0.0)).sum() for one in (stiffer, thicker)
     ]

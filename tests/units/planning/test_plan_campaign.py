@@ -11,6 +11,7 @@ from pipeclamp_identification.diagnosis.evidence import lack_of_fit
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.planning.campaign import Asked, plan_campaign
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size
@@ -110,7 +111,7 @@ def test_the_lack_of_fit_is_that_of_the_diagnosis():
     smooth = smooth_functions(*(grid[name][every] for name in "AfT"), (), [None] * len(every))
     white = Whitened(left / noise, np.moveaxis(slopes[:, every], 0, -1) / noise, np.zeros(0))
     none = np.zeros_like(left)
-    model = NoiseModel(np.full_like(left, noise**2), none, none, 0.0, 0.0, 0.0, 0.0)
+    model = NoiseModel(np.full_like(left, noise**2), Directions(none, none, none), RunScatter(), 0.0)
     told = lack_of_fit(white, left, model, smooth, np.ones((1, 2, *left.shape)), np.full(len(every), noise))
     assert found.excess[0] == pytest.approx(told.excess, rel=1e-6)
 

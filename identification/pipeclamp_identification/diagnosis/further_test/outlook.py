@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 
 from pipeclamp_identification.campaign.drive import Profile, tones_motion
 from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.run_scatter import directions, of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.beforehand import parameter_bounds
@@ -168,29 +169,8 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
-    return (
-        of_sensor + run_scatter(force, noise.stiffness_scatter, noise.damping_scatter, noise.mean_scatter)
-    ) / REPEATS
-
-
-def run_scatter(force: Array, stiffness: float, damping: float, mean_N: float = 0.0) -> Array:
-    """Give the covariance of harmonics that scatter from run to run makes.
-
-    Args:
-        force: harmonics, N, shape (R, m).
-        stiffness, damping: rms shares by which these differ.
-        mean_N: rms by which the mean force differs.
-
-    Returns:
-        N2, shape (R, m, m).
-    """
-    covariance = np.zeros((*force.shape, force.shape[1]))
-    for part, scatter in ((slice(1, None, 2), stiffness), (slice(2, None, 2), damping)):
-        direction = np.zeros_like(force)
-        direction[:, part] = scatter * force[:, part]
-        covariance += direction[:, :, None] * direction[:, None, :]
-    covariance[:, 0, 0] += mean_N**2
-    return covariance
+    shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: harmonics_of(forces, HARMONICS))
+    return (of_sensor + noise.scatter.covariance(directions(force, shifted))) / REPEATS
 
 
 def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) -> Array:

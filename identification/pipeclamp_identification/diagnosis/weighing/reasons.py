@@ -33,11 +33,13 @@ def scatter_words(lack: LackOfFit, problem: Problem) -> str:
 def _scatter_words(problem: Problem) -> str:
     """Say what scatters from run to run, and by how much; empty where next to nothing does."""
     noise = problem.noise
-    named = (noise.stiffness_scatter, "stiffness"), (noise.damping_scatter, "damping")
+    named = (noise.scatter.stiffness, "stiffness"), (noise.scatter.damping, "damping")
     shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
     if noise.mean_shows:
-        shown.append(f"{newtons(noise.mean_scatter)} of the mean force")
-    return " and ".join(shown)
+        shown.append(f"{newtons(noise.scatter.mean_N)} of the mean force")
+    if noise.zero_shows:
+        shown.append(f"{noise.scatter.zero_mm:.2g} mm of the displacement's zero")
+    return " and ".join(filter(None, [", ".join(shown[:-1]), *shown[-1:]]))
 
 
 def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:

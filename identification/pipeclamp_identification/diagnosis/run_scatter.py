@@ -1,0 +1,98 @@
+"""What differs from run to run: stiffness, damping, mean force and the zero of the displacement, by how much."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import Motion
+
+SHIFT = 1e-3
+"""Share of the amplitude by which a displacement is shifted to see what that does."""
+
+
+@dataclass(frozen=True)
+class RunScatter:
+    """Standard deviations from run to run.
+
+    Attributes:
+        stiffness, damping: shares by which elastic and damping force are off.
+        mean_N: of the mean force, N: of a load that is hung on, a preload that is set, the zeros of the channels.
+        zero_mm: of the displacement's zero, mm.
+    """
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    mean_N: float = 0.0
+    zero_mm: float = 0.0
+
+    def least(self, other: RunScatter) -> RunScatter:
+        """Give the smaller of two estimates of each."""
+        return RunScatter(
+            min(self.stiffness, other.stiffness), min(self.damping, other.damping),
+            min(self.mean_N, other.mean_N), min(self.zero_mm, other.zero_mm),
+        )  # fmt: skip
+
+    def by_harmonics(self, directions: Directions) -> Array:
+        """Give the force that one standard deviation makes of each but the mean, N, shape (3, R, m)."""
+        return np.stack(
+            [self.stiffness * directions.elastic, self.damping * directions.damping, self.zero_mm * directions.shifted]
+        )
+
+    def covariance(self, directions: Directions) -> Array:
+        """Give the covariance of harmonics that all of them make, N2, shape (R, m, m)."""
+        by_harmonics = self.by_harmonics(directions)
+        covariance = np.asarray(np.einsum("dri,drj->rij", by_harmonics, by_harmonics))
+        covariance[:, 0, 0] += self.mean_N**2
+        return covariance
+
+
+@dataclass(frozen=True)
+class Directions:
+    """What of a loop's harmonics goes with what differs from run to run, shape (R, m) each, as `harmonics_of` orders.
+
+    Attributes:
+        elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, N.
+        shifted: force by which it is off when the zero of its displacement is off by 1 mm, less the mean, N/mm.
+    """
+
+    elastic: Array
+    damping: Array
+    shifted: Array
+
+    def all(self) -> Array:
+        """Give all of them, shape (3, R, m)."""
+        return np.stack([self.elastic, self.damping, self.shifted])
+
+
+def directions(harmonics: Array, shifted: Array) -> Directions:
+    """Give what goes with what differs from run to run: cosines of a loop are elastic, sines are damping.
+
+    Args:
+        harmonics: of the force, in phase with the displacement, N, shape (R, m).
+        shifted: as `Directions` has it.
+    """
+    elastic, damping = np.zeros_like(harmonics), np.zeros_like(harmonics)
+    elastic[:, 1::2] = harmonics[:, 1::2]
+    damping[:, 2::2] = harmonics[:, 2::2]
+    return Directions(elastic, damping, shifted)
+
+
+def of_a_shift(law: Law, motion: Motion, harmonics: Callable[[Array], Array]) -> Array:
+    """Give what a law's loops change by when the displacement's zero is off by 1 mm, less the mean, N/mm, (R, m).
+
+    Args:
+        law: the law.
+        motion: R motions.
+        harmonics: gives those of forces on them, N, shape (R, m).
+    """
+    step = SHIFT * motion.slow["A"]
+    ahead, behind = (harmonics(force_of_law(law, replace(motion, y=motion.y + shift)).force) for shift in (step, -step))
+    shifted = (ahead - behind) / (2 * step)
+    shifted[:, 0] = 0.0
+    return np.asarray(shifted)
