@@ -1,6 +1,6 @@
 """The front door of pipeclamp: what people call, see and read. Nothing is computed here.
 
-Its packages: show (sentences and tables), pages (pages with pictures), api (the Python functions), cli (the commands).
+Its packages, each importing only those before it: show, pages, api, studio, cli.
 `import pipeclamp as pc` gives the functions below; what each needs is loaded when it is first called.
 
 >>> import pipeclamp as pc

@@ -17,7 +17,7 @@ from pipeclamp.pages.sections import law_page, metrics_page
 from pipeclamp.pages.system.cosim import cosim_sections
 from pipeclamp.pages.waterfall import OF_METRICS, Rung, waterfall_picture
 from pipeclamp.show.comparison import how_much
-from pipeclamp.show.law import addition_table
+from pipeclamp.show.law import change_table
 from pipeclamp.show.table import Table
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.campaign.bundled import bundled_campaign
@@ -25,7 +25,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import stages_held
 from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, Step, reading_law, way
-from pipeclamp_identification.workflow.change import Addition, add_effect
+from pipeclamp_identification.workflow.change import LawChange, add_effect
 from pipeclamp_identification.workflow.next_command import after_change, after_import
 from pipeclamp_identification.workflow.next_in_system import after_cosim
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -152,10 +152,10 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     yield folder / "2_metrics.html"
     on_unseen = [unseen.compare(file)]
     tell(f"   base law: {_errors(file, on_unseen[-1])}")
-    additions: list[Addition] = []
+    changes: list[LawChange] = []
     for effect in EFFECTS:
-        additions.append(add_effect(file, effect, tests, command=COMMAND, date=None))
-        file = additions[-1].after
+        changes.append(add_effect(file, effect, tests, command=COMMAND, date=None))
+        file = changes[-1].after
         on_unseen.append(unseen.compare(file))
         tell(f"   + {effect}: {_errors(file, on_unseen[-1])}")
     law = folder / "clamp_a.json"
@@ -165,7 +165,7 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
         path,
         "The law of clamp_a",
         f"error {on_unseen[-1].nrmse:.2%} on tests it has never seen",
-        _law_sections(file, tests, additions, on_unseen, after_change(str(law), CAMPAIGN)),
+        _law_sections(file, tests, changes, on_unseen, after_change(str(law), CAMPAIGN)),
         COMMAND,
     )
     yield path
@@ -180,16 +180,16 @@ def _errors(file: LawFile, on_unseen: Comparison) -> str:
 
 
 def _law_sections(
-    file: LawFile, tests: RecordTests, additions: list[Addition], on_unseen: list[Comparison], following: str
+    file: LawFile, tests: RecordTests, changes: list[LawChange], on_unseen: list[Comparison], following: str
 ) -> list[Section]:
-    steps = ["base law", *(addition.effect for addition in additions)]
+    steps = ["base law", *(str(change.step) for change in changes)]
     falling = waterfall_picture(
         [Rung(step, {UNSEEN: comparison.nrmse}) for step, comparison in zip(steps, on_unseen, strict=True)],
         on_unseen[-1].noise_nrmse,
         "Error on tests never seen, effect by effect",
     )
     return [
-        Section("The error falls", (), [addition_table(addition) for addition in additions], [falling], following),
+        Section("The error falls", (), [change_table(change) for change in changes], [falling], following),
         Section("On tests never seen", how_much(on_unseen[-1])),
         difference_section(on_unseen[-1], stages_held(file, on_unseen[-1]), "Difference, on tests never seen"),
         *law_page(file, tests.compare(file)),

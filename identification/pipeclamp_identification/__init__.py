@@ -2,5 +2,5 @@
 
 It prints nothing and draws nothing.
 Its packages, each importing only those before it: signals, units, campaign, importing, loops, fitting, comparison,
-diagnosis, metrics_only, on_pipe, attribution, workflow.
+diagnosis, discovery, metrics_only, on_pipe, attribution, planning, workflow.
 """

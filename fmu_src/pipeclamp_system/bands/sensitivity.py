@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.law.file import law_of
 from pipeclamp_models.realise.force import force_of_equations, known_jacobian
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of, sampled
+from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of, sampled
 from pipeclamp_system.steady.harmonics import packed
 from pipeclamp_system.steady.states import SteadyState
 
@@ -66,7 +66,7 @@ def moves(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyStat
     return Moves(moved[:, -1], of_half_range(motion, changes), turning)
 
 
-def moves_at(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> Complex:
+def moves_at(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> ComplexArray:
     """Give how a state moves at its own frequency: harmonics of clamps and probes, mm, (Q, points, H + 1).
 
     At turning points of its curve it moves without bound. Arguments as of `moves`.
@@ -79,7 +79,7 @@ def moves_at(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyS
     return system.changed(unknowns, state.frequency, moved, np.zeros(len(moved)), forces)
 
 
-def _disturbances(clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> Complex:
+def _disturbances(clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> ComplexArray:
     """Give what each quantity changes of the clamps' forces on a motion, N, (Q, clamps, H + 1)."""
     count = state.forces.shape[1]
     found = np.zeros((len(unknown.quantities), len(clamps), count), dtype=np.complex128)
@@ -118,7 +118,7 @@ def with_laws(clamps: Sequence[SteadyClamp], unknown: Unknown) -> tuple[SteadyCl
     return tuple(replace(clamp, law=law_of(law.file)) for clamp, law in zip(clamps, unknown.laws, strict=True))
 
 
-def of_half_range(motion: Complex, changes: Complex) -> Array:
+def of_half_range(motion: ComplexArray, changes: ComplexArray) -> Array:
     """Give the change of half the peak-to-peak value: by that at the ends of the motion.
 
     Args:

@@ -7,17 +7,15 @@ from dataclasses import dataclass, field
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft, rfft
 
 from pipeclamp_fmu.slaves.clamp import within
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.scalar_law import parts_of_law
 
-Complex = NDArray[np.complex128]
 Bounds = tuple[float, float]
 
 SAMPLES = 256
@@ -55,7 +53,7 @@ class SteadyClamp:
     ranges: Mapping[str, Bounds] = field(default_factory=dict)
     jumps: bool = False
 
-    def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
+    def conditions(self, motion: ComplexArray, frequency: Array) -> tuple[Array, Array]:
         """Give A (mm) and f (Hz) that the law is taken for, each (rows,).
 
         Of a motion they are A = sqrt(2 var y) and f = sqrt(var v/var y)/(2 pi), as the FMU's tracker has them.
@@ -66,7 +64,7 @@ class SteadyClamp:
         amplitude, own = self._own_conditions(motion, frequency)
         return np.clip(amplitude, *self.range_A), np.clip(own, *self.range_f)
 
-    def beyond(self, motion: Complex, frequency: float, farthest: float) -> dict[str, float]:
+    def beyond(self, motion: ComplexArray, frequency: float, farthest: float) -> dict[str, float]:
         """Give the conditions that lie beyond the law's data, by name; A, f, T and further ones as the FMU judges them.
 
         Args:
@@ -87,7 +85,7 @@ class SteadyClamp:
         return {name: values[name] for name, interval in ranges.items() if not within(values[name], interval)}
 
     @staticmethod
-    def _own_conditions(motion: Complex, frequency: Array) -> tuple[Array, Array]:
+    def _own_conditions(motion: ComplexArray, frequency: Array) -> tuple[Array, Array]:
         """Give A (mm) and f (Hz) of a motion, each (rows,)."""
         squares = np.abs(motion[:, 1:]) ** 2
         order = np.arange(1, motion.shape[1])
@@ -96,7 +94,7 @@ class SteadyClamp:
         ratio = np.divide(speed, amplitude, out=np.ones_like(speed), where=amplitude > 0)
         return amplitude, ratio * frequency
 
-    def cycle(self, motion: Complex, frequency: Array) -> Motion:
+    def cycle(self, motion: ComplexArray, frequency: Array) -> Motion:
         """Give a motion in samples, with the law's conditions; arguments as of `forces`."""
         turn = 2j * pi * np.arange(motion.shape[1]) * frequency[:, None]
         amplitude, law_frequency = self.conditions(motion, frequency)
@@ -114,7 +112,7 @@ class SteadyClamp:
             1 / (frequency[:, None] * self.samples),
         )
 
-    def forces(self, motion: Complex, frequency: Array) -> Complex:
+    def forces(self, motion: ComplexArray, frequency: Array) -> ComplexArray:
         """Give the harmonics of the force into the clamp in steady state.
 
         Args:
@@ -144,14 +142,14 @@ def samples_of_law(law: Law, conditions: Mapping[str, float], A: float, f: float
     return samples * (FINER if parts_of_law(law, conditions, A, f) > 1 else 1)
 
 
-def harmonics_of(signals: Array, count: int) -> Complex:
+def harmonics_of(signals: Array, count: int) -> ComplexArray:
     """Give the first harmonics, from 0, of cycles in samples (rows, samples): (rows, count)."""
     harmonics = 2 / signals.shape[1] * rfft(signals)[:, :count]
     harmonics[:, 0] /= 2
     return np.asarray(harmonics, dtype=np.complex128)
 
 
-def sampled(harmonics: Complex, samples: int) -> Array:
+def sampled(harmonics: ComplexArray, samples: int) -> Array:
     """Give cycles in samples (rows, samples) of their first harmonics, from 0, (rows, h)."""
     spectrum = samples / 2 * harmonics
     spectrum[:, 0] *= 2

@@ -119,7 +119,8 @@ def marched(  # type: ignore[no-untyped-def]
     """March a cycle.
 
     Args:
-        clamp: the laws, as of `CLAMP`; held, states: of all clamps; the states are changed.
+        clamp: the laws, as of `machine_clamps`.
+        held, states: coefficients and states of each clamp, (c, ...); the states are changed.
         start: (q, q') at its beginning, (s,); changed.
         force: N, of each clamp, (c,); changed.
         scale: the largest force so far, N, (1,); changed.

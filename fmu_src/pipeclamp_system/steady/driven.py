@@ -18,9 +18,9 @@ from math import pi
 import numpy as np
 
 from pipeclamp_fmu.slaves.clamp import MM
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
-from pipeclamp_system.steady.clamp import Complex, SteadyClamp
+from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.continuation import Equation, Refinement
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
@@ -114,23 +114,23 @@ class DrivenPipe:
         """How many real unknowns are begun with."""
         return self.clamps * (2 * self.harmonics + 1)
 
-    def responses(self, frequency: Array, harmonics: int | None = None) -> Complex:
+    def responses(self, frequency: Array, harmonics: int | None = None) -> ComplexArray:
         """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1)."""
         orders = np.arange((self.harmonics if harmonics is None else harmonics) + 1)
         return self._receptance.at(2 * pi * np.outer(frequency, orders))
 
-    def unpacked(self, unknowns: Array) -> Complex:
+    def unpacked(self, unknowns: Array) -> ComplexArray:
         """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""
         return unpacked(unknowns, self.clamps) if self.clamps else np.zeros((len(unknowns), 0, 2), dtype=np.complex128)
 
-    def forces(self, motion: Complex, frequency: Array) -> Complex:
+    def forces(self, motion: ComplexArray, frequency: Array) -> ComplexArray:
         """Give the harmonics of the clamps' forces, (rows, clamps, H + 1)."""
         forces = np.zeros_like(motion)
         for index, clamp in enumerate(self._clamps):
             forces[:, index] = clamp.forces(motion[:, index], frequency)
         return forces
 
-    def moved(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Complex:
+    def moved(self, unknowns: Array, frequency: Array, drive: Array, responses: ComplexArray) -> ComplexArray:
         """Give the motion of clamps and probes under a sine and the forces of the clamps' motion.
 
         Args:
@@ -144,21 +144,21 @@ class DrivenPipe:
         """
         return self.under_forces(self.forces(self.unpacked(unknowns), frequency), drive, responses)
 
-    def under_forces(self, forces: Complex, drive: Array, responses: Complex) -> Complex:
+    def under_forces(self, forces: ComplexArray, drive: Array, responses: ComplexArray) -> ComplexArray:
         """Give the motion under given forces of the clamps (rows, clamps, H + 1); the rest as of `moved`."""
         sine = np.zeros((len(forces), 1, responses.shape[3]), dtype=np.complex128)
         sine[:, 0, 1] = -1j * drive
         loads = np.concatenate([sine, resized(forces, responses.shape[3])], axis=1)
         return np.asarray(np.einsum("rijh,rjh->rih", responses, loads))
 
-    def pushed(self, frequency: float, forces: Complex) -> Complex:
+    def pushed(self, frequency: float, forces: ComplexArray) -> ComplexArray:
         """Give the motion, mm, (Q, points, H + 1), that forces into the clamps, (Q, clamps, H + 1), make at Hz."""
         responses = self.responses(np.array([frequency]), forces.shape[2] - 1)[0]
         return np.asarray(np.einsum("ijh,qjh->qih", responses[:, 1:], forces))
 
     def changed(
-        self, unknowns: Array, frequency: float, by_unknowns: Array, by_frequency: Array, forces: Complex
-    ) -> Complex:
+        self, unknowns: Array, frequency: float, by_unknowns: Array, by_frequency: Array, forces: ComplexArray
+    ) -> ComplexArray:
         """Give how the motion of clamps and probes changes, to first order.
 
         Args:
@@ -179,12 +179,12 @@ class DrivenPipe:
         above, below = np.split(moved, 2)
         return np.asarray((above - below) / (2 * nudge[:, :, None]) + self.pushed(frequency, forces))
 
-    def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Array:
+    def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: ComplexArray) -> Array:
         """Give by how much the clamps' motion isn't balanced, mm, (rows, m); arguments as of `moved`."""
         return unknowns - packed(self.moved(unknowns, frequency, drive, responses[:, : self.clamps]))
 
     def linearised(
-        self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex, *, rubbing: bool = False
+        self, unknowns: Array, frequencies: Array, drives: Array, responses: ComplexArray, *, rubbing: bool = False
     ) -> tuple[Array, Array, Array]:
         """Give the residual at the first frequency, its derivatives by the unknowns, and the residual at the others.
 
@@ -200,7 +200,7 @@ class DrivenPipe:
         by_unknowns = np.eye(size) + ((residuals[1 : size + 1] - residuals[0]) / nudge).T
         return residuals[0], by_unknowns, residuals[size + 1 :]
 
-    def _changes(self, unknowns: Array, frequencies: Array) -> Complex:
+    def _changes(self, unknowns: Array, frequencies: Array) -> ComplexArray:
         """Give the forces of a motion, those of its unknowns moved by `NUDGE` one by one, and those at the frequencies
         after the first, to first order, (1 + m + others, clamps, H + 1)."""
         nudge = NUDGE * self.sizes(unknowns[None])[0]
@@ -227,7 +227,7 @@ class DrivenPipe:
         speed = 2 * pi * frequency * np.abs(motion * np.arange(motion.shape[1])).sum(axis=1)
         return any(fast > FLAT * clamp.law.v_r for fast, clamp in zip(speed.tolist(), self._clamps, strict=True))
 
-    def rubbed(self, motion: Complex, frequency: float, H: int) -> Rubbed:
+    def rubbed(self, motion: ComplexArray, frequency: float, H: int) -> Rubbed:
         """Find the sides to which clamps slide on a motion (clamps, h) of which H harmonics are balanced."""
         responses = self.responses(np.array([frequency]), CELLS // 2)[0, : self.clamps, 1:]
         clamps, each = zip(*self.rubbing, strict=True)
@@ -235,7 +235,7 @@ class DrivenPipe:
         self._near = found.sides.velocity
         return found
 
-    def _rubbed_changes(self, unknowns: Array, frequencies: Array) -> Complex:
+    def _rubbed_changes(self, unknowns: Array, frequencies: Array) -> ComplexArray:
         """Give the same as `_changes` of clamps whose force steps."""
         nudge = NUDGE * self.sizes(unknowns[None])[0]
         size, H = unknowns.size, self.up_to(unknowns)
@@ -311,14 +311,14 @@ class DrivenPipe:
             2 * wanted(self._left_out(forces, at, 1.0 if level is None else level), H, self.most_harmonics) + 1
         )
 
-    def all_forces(self, unknowns: Array, frequency: float, *, rubbing: bool) -> Complex:
+    def all_forces(self, unknowns: Array, frequency: float, *, rubbing: bool) -> ComplexArray:
         """Give all harmonics of a motion's forces, (1, clamps, h); beyond H without those that aren't left out."""
         motion, H = self.unpacked(unknowns[None]), self.up_to(unknowns)
         if not (rubbing and self.rubs(unknowns, frequency)):
             return self.forces(resized(motion, max(H, self.told_harmonics) + 1), np.array([frequency]))
         return self.rubbed(motion[0], frequency, H).smooth_beyond(H)[None, :, : max(H, self.told_harmonics) + 1]
 
-    def _left_out(self, forces: Complex, at: Array, level: float) -> Array:
+    def _left_out(self, forces: ComplexArray, at: Array, level: float) -> Array:
         """Give what is left out by H, as of `left_out`, from all harmonics of a motion's forces."""
         drive = np.array([level * self.excitation(float(at[0]))])
         return left_out(self.under_forces(forces, drive, self.responses(at, forces.shape[2] - 1))[0])

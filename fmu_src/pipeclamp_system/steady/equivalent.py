@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.clamp import Complex
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 MOST_ROUNDS = 200
 SETTLED = 1e-3
@@ -18,8 +17,8 @@ TAKEN = 0.5
 
 
 def equivalent(
-    forces: Callable[[Complex, Array], Complex], responses: Complex, sine: complex, frequency: Array
-) -> tuple[Complex, Complex] | None:
+    forces: Callable[[ComplexArray, Array], ComplexArray], responses: ComplexArray, sine: complex, frequency: Array
+) -> tuple[ComplexArray, ComplexArray] | None:
     """Give the motion of the fundamental, and the complex stiffness of each clamp on it.
 
     Args:

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.clamp import Complex
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 SMALLEST = 1e-6
 """mm: no motion is taken for smaller."""
@@ -37,26 +36,26 @@ STILL = 1e-3
 """A point that moves less than this share of the farthest moving one is held against that."""
 
 
-def unpacked(unknowns: Array, clamps: int) -> Complex:
+def unpacked(unknowns: Array, clamps: int) -> ComplexArray:
     """Give harmonics (rows, clamps, H + 1) of unknowns (rows, clamps (2 H + 1))."""
     parts = unknowns.reshape(len(unknowns), clamps, -1)
     H = (parts.shape[2] - 1) // 2
     return np.concatenate([parts[:, :, :1] + 0j, parts[:, :, 1 : H + 1] + 1j * parts[:, :, H + 1 :]], axis=2)
 
 
-def packed(harmonics: Complex) -> Array:
+def packed(harmonics: ComplexArray) -> Array:
     """Give unknowns (rows, m) of harmonics (rows, clamps, H + 1)."""
     parts = [harmonics[:, :, :1].real, harmonics[:, :, 1:].real, harmonics[:, :, 1:].imag]
     return np.concatenate(parts, axis=2).reshape(len(harmonics), -1)
 
 
-def resized(harmonics: Complex, count: int) -> Complex:
+def resized(harmonics: ComplexArray, count: int) -> ComplexArray:
     """Give the first `count` harmonics, from 0, of the last axis; those that aren't there are 0."""
     missing = max(0, count - harmonics.shape[-1])
     return np.pad(harmonics[..., :count], [(0, 0)] * (harmonics.ndim - 1) + [(0, missing)])
 
 
-def left_out(moved: Complex) -> Array:
+def left_out(moved: ComplexArray) -> Array:
     """Give what motions (points, h) lose when harmonics are left out.
 
     Returns:

@@ -16,11 +16,11 @@ import numpy as np
 from scipy.linalg import expm
 
 from pipeclamp_fmu.slaves.clamp import MM
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_models.realise.scalar_law import scalar_law
 from pipeclamp_models.steps.tracker import AVERAGING, amplitude_and_frequency
-from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
+from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of
 from pipeclamp_system.transient.modal_step import modal_step
 
 FEWEST_STEPS, MOST_STEPS, STEPS_A_PERIOD = 1024, 16384, 10
@@ -98,8 +98,8 @@ class Marched:
     error: float
     low: Array
     high: Array
-    points: Complex
-    forces: Complex
+    points: ComplexArray
+    forces: ComplexArray
     conditions: Array
     end: Standing
 
@@ -275,7 +275,7 @@ class _Cycles:
         return averages, conditions
 
 
-def _rms(points: Complex) -> float:
+def _rms(points: ComplexArray) -> float:
     return float(np.linalg.norm(points[:, 1:]))
 
 

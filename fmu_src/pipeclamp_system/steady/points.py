@@ -9,13 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.clamp import Complex
+from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray, IntArray
 from pipeclamp_system.steady.driven import NUDGE, DrivenPipe
-
-Rows = NDArray[np.intp]
 
 MOST_CORRECTIONS = 40
 TOLERANCE = 1e-7
@@ -36,7 +32,7 @@ class Operation:
     frequency: Array
     drive: Array
 
-    def rows(self, chosen: Rows) -> Operation:
+    def rows(self, chosen: IntArray) -> Operation:
         """Give some of the sines."""
         return Operation(self.frequency[chosen], self.drive[chosen])
 
@@ -54,8 +50,8 @@ class Balanced:
 
     unknowns: Array
     slopes: Array
-    found: NDArray[np.bool_]
-    responses: Complex
+    found: BoolArray
+    responses: ComplexArray
 
 
 def balance(system: DrivenPipe, operation: Operation, guess: Array, slopes: Array | None = None) -> Balanced:
@@ -106,7 +102,7 @@ def _solved(slopes: Array, residual: Array) -> Array:
         return solved
 
 
-def _slopes(system: DrivenPipe, operation: Operation, unknowns: Array, responses: Complex) -> Array:
+def _slopes(system: DrivenPipe, operation: Operation, unknowns: Array, responses: ComplexArray) -> Array:
     """Give the derivatives of the residual by the unknowns, (P, m, m)."""
     count, size = unknowns.shape
     nudge = NUDGE * system.sizes(unknowns)
@@ -118,7 +114,7 @@ def _slopes(system: DrivenPipe, operation: Operation, unknowns: Array, responses
     return np.asarray(np.swapaxes((residuals[:, 1:] - residuals[:, :1]) / nudge[:, None, None], 1, 2))
 
 
-def fundamentals(system: DrivenPipe, operation: Operation, balanced: Balanced) -> Complex:
+def fundamentals(system: DrivenPipe, operation: Operation, balanced: Balanced) -> ComplexArray:
     """Give the fundamentals of all clamps and probes over that of the excitation, m per m/s2 or N, (P, points).
 
     The excitation is drive sin(2 pi f t); nan where no steady state was found.

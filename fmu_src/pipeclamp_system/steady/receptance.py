@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.receptance import are_coupled, receptance
-from pipeclamp_system.steady.clamp import Complex
 
 SINGULAR = 1e14
 """Condition of the stiffness from which on the pipe can move as a rigid body."""
@@ -30,7 +29,7 @@ class Receptance:
         self._coupled = are_coupled(stiffness, damping)
         self.adrift = bool(np.linalg.cond(stiffness) >= SINGULAR)
 
-    def at(self, omega: Array) -> Complex:
+    def at(self, omega: Array) -> ComplexArray:
         """Give the response at frequencies of rows and orders (rows, h), rad/s: (rows, points, inputs, h)."""
         if self.adrift:  # a pipe that can move as a rigid body has no mean position of its own
             omega = omega.copy()

@@ -8,8 +8,8 @@ from itertools import chain
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.clamp import SAMPLES, Complex, sampled
+from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_system.steady.clamp import SAMPLES, sampled
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +32,9 @@ class SteadyState:
     """
 
     frequency: float
-    clamps: Complex
-    probes: Complex
-    forces: Complex
+    clamps: ComplexArray
+    probes: ComplexArray
+    forces: ComplexArray
     conditions: Array
     growth: float
     truncated: float
@@ -48,7 +48,7 @@ class SteadyState:
         return int(self.forces.shape[1]) - 1
 
     @property
-    def balanced(self) -> Complex:
+    def balanced(self) -> ComplexArray:
         """The harmonics of each clamp's displacement that are balanced, mm, (clamps, H + 1)."""
         return self.clamps[:, : self.harmonics + 1]
 
@@ -115,6 +115,6 @@ class FollowedResponse:
         return f"followed {ranges} only: what lies {'between them' if len(self.pieces) > 1 else 'beyond'} is missing"
 
 
-def half_range(harmonics: Complex) -> Array:
+def half_range(harmonics: ComplexArray) -> Array:
     """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
     return np.asarray(np.ptp(sampled(harmonics, SAMPLES), axis=1) / 2)

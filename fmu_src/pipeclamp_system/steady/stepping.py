@@ -18,12 +18,11 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
-from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of, sampled
+from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of, sampled
 from pipeclamp_system.steady.harmonics import resized
 from pipeclamp_system.steady.tangents import Passage, Tangents, V, Y, along, answered, arguments
 
@@ -63,8 +62,6 @@ BALANCED = 1e-9
 
 AT_ONCE = 3
 """Cells in which a clamp that doesn't stick reverses, at most: what takes longer is rounded, and followed in them."""
-
-Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +185,7 @@ class Sides:
     velocity: Array
     side: Array
     by_edge: Array
-    where: Places
+    where: IntArray
     answers: Array
 
 
@@ -221,9 +218,14 @@ class Friction:
     """The clamps of a pipe, at one frequency, with the harmonics beyond H that their steps of force make."""
 
     def __init__(
-        self, clamps: Sequence[SteadyClamp], steps: Sequence[Step], frequency: float, responses: Complex, balanced: int,
-        motion: Complex,
-    ) -> None:  # fmt: skip
+        self,
+        clamps: Sequence[SteadyClamp],
+        steps: Sequence[Step],
+        frequency: float,
+        responses: ComplexArray,
+        balanced: int,
+        motion: ComplexArray,
+    ) -> None:
         """Prepare what the pipe answers beyond H, with the clamps' own stiffness and damping about a motion.
 
         Args:
@@ -261,19 +263,19 @@ class Friction:
         moved = self.moved(forces)
         return Rubbed(self, self._given + moved, forces + self._slopes * moved, self._jumps, sides)
 
-    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: Step) -> Complex:
+    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: Step) -> ComplexArray:
         """Give what a clamp's force, but for its step, answers to fast small motions, N/mm, (h,)."""
         slow = slow_speed(clamp, cycle, step)
         v = np.where(cycle.v < 0, np.minimum(cycle.v, -slow), np.maximum(cycle.v, slow))
         law = along(clamp, _told_speed(cycle, v))
         return np.asarray(law.by_argument[0, Y].mean() + law.by_argument[0, V].mean() * self._turn)
 
-    def at_edges(self, motion: Complex) -> Array:
+    def at_edges(self, motion: ComplexArray) -> Array:
         """Give the velocity at the cells' edges, mm/s, (..., n), of harmonics (..., h)."""
         turned = motion * (self._turn * self._to_edge)[: motion.shape[-1]]
         return sampled(turned.reshape(-1, motion.shape[-1]), CELLS).reshape(*motion.shape[:-1], CELLS)
 
-    def moved(self, forces: Complex) -> Complex:
+    def moved(self, forces: ComplexArray) -> ComplexArray:
         """Give what harmonics of forces, (..., clamps, h), move beyond H, mm."""
         return np.asarray(np.einsum("ijh,...jh->...ih", self._beyond, forces))
 
@@ -339,7 +341,7 @@ class Friction:
             v = tried
         return v, False
 
-    def _open(self, jumps: Array, by_edge: Array) -> tuple[Places, Array]:
+    def _open(self, jumps: Array, by_edge: Array) -> tuple[IntArray, Array]:
         """Give the edges of the cells whose side follows the velocity, and how the given motion's velocities there
         would change for a change of what comes out, (E, E)."""
         n = jumps.shape[1]
@@ -368,8 +370,8 @@ class Rubbed:
     """
 
     friction: Friction
-    whole: Complex
-    stepping: Complex
+    whole: ComplexArray
+    stepping: ComplexArray
     jumps: Array
     sides: Sides
 
@@ -421,17 +423,17 @@ class Rubbed:
         return Passage(damping, left)
 
     @property
-    def forces(self) -> Complex:
+    def forces(self) -> ComplexArray:
         """All harmonics of the clamps' forces, N, (clamps, h)."""
         return harmonics_of(np.stack([law.force for law in self._laws]), self.stepping.shape[1])
 
-    def smooth_beyond(self, H: int) -> Complex:
+    def smooth_beyond(self, H: int) -> ComplexArray:
         """Give all harmonics of the forces, beyond H without the part that steps, N, (clamps, h)."""
         found = self.forces.copy()
         found[:, H + 1 :] -= self.stepping[:, H + 1 :]
         return found
 
-    def changes(self, changes: Complex) -> Complex:
+    def changes(self, changes: ComplexArray) -> ComplexArray:
         """Give what the forces change by, to first order, N, for changes of the given harmonics, (rows, clamps, h)."""
         friction, (rows, count, h) = self.friction, changes.shape
         own, all_ = resized(changes, self.whole.shape[1]), self.whole.shape[1]

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.realise.arrays import realise
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.states import SETTLED, trail
-from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
+from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of
 from pipeclamp_system.steady.harmonics import SMALLEST
 
 NUDGE = 1e-5
@@ -70,7 +70,7 @@ class Tangents:
         return bool(self.follows.any() and self.by_argument[:, AMPLITUDE].any())
 
 
-def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
+def tangents(clamp: SteadyClamp, motion: ComplexArray, frequency: float) -> Tangents:
     """Linearise a clamp's law about a periodic motion.
 
     Where the velocity turns, a derivative by it is that over the velocity's change in a step, as force itself is
@@ -84,7 +84,7 @@ def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
     return along(clamp, clamp.cycle(motion[None], np.array([frequency])))
 
 
-def linearised(clamp: SteadyClamp, motions: Complex, frequencies: Array) -> tuple[Complex, Complex]:
+def linearised(clamp: SteadyClamp, motions: ComplexArray, frequencies: Array) -> tuple[ComplexArray, ComplexArray]:
     """Give a clamp's force on a periodic motion, and what motions next to it change of the force to first order.
 
     Args:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.clamp import Complex
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_system.steady.driven import NUDGE, DrivenPipe
 from pipeclamp_system.steady.harmonics import STILL, left_out, packed
 
@@ -14,7 +13,7 @@ STEEP = 100.0
 is told along the path there, not at the frequency."""
 
 
-def truncated(pipe: DrivenPipe, unknowns: Array, at: Array, drive: Array, forces: Complex) -> float:
+def truncated(pipe: DrivenPipe, unknowns: Array, at: Array, drive: Array, forces: ComplexArray) -> float:
     """Give what a balanced motion is off by because harmonics are left out, as a share of it.
 
     It lacks them, to first order, and its force doesn't answer to them: where force steps with the velocity, they

@@ -40,7 +40,7 @@ from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 
 if TYPE_CHECKING:
-    from pipeclamp_identification.workflow.change import Addition
+    from pipeclamp_identification.workflow.change import LawChange
     from pipeclamp_models.law.file import LawFile
 
 app = typer.Typer()
@@ -318,7 +318,7 @@ def remove(
     """Take an effect out of a law, refit the rest, and say what the error did."""
     from pipeclamp_identification.workflow.change import remove_effect
 
-    def change(file: LawFile, **given: Any) -> Sequence[Addition]:
+    def change(file: LawFile, **given: Any) -> Sequence[LawChange]:
         return [remove_effect(file, effect, **given)]
 
     _change(change, "remove", law, campaign, output, strict, reproducible)
@@ -364,14 +364,14 @@ def refit(
     """Fit a law with its effects to tests anew, as where others have joined, and say what the error did."""
     from pipeclamp_identification.workflow.change import refit as refitted
 
-    def change(file: LawFile, **given: Any) -> Sequence[Addition]:
+    def change(file: LawFile, **given: Any) -> Sequence[LawChange]:
         return [refitted(file, **given)]
 
     _change(change, "refit", law, campaign, output, strict, reproducible)
 
 
 def _change(
-    change: Callable[..., Sequence[Addition]],
+    change: Callable[..., Sequence[LawChange]],
     title: str,
     law: str,
     campaign: Path,
@@ -380,7 +380,7 @@ def _change(
     reproducible: bool,
 ) -> None:
     """Change a law step by step, refit it, write it, and print what that did."""
-    from pipeclamp.show.law import addition_table, vain_words
+    from pipeclamp.show.law import change_table, vain_words
     from pipeclamp_identification.workflow.next_command import after_change, after_vain_addition
     from pipeclamp_models.law.file import law_text
 
@@ -393,7 +393,7 @@ def _change(
     changed = steps[-1].after
     write_whole(output, law_text(changed))
     for step in steps:
-        print_table(addition_table(step))
+        print_table(change_table(step))
     _print_fit(changed, output)
     if title == "add" and (words := vain_words(changed.history, len(steps))):
         put(words)

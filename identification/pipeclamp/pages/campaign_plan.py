@@ -17,7 +17,6 @@ HOURS_WORDS = (
     "Each dot is a plan that was looked at; those that can tell fewer effects are hollow. An effect's size is its rms "
     "force over the loops within the limits."
 )
-CHANCE_WORDS = "Grey: each effect; red: all of them."
 
 
 def campaign_plan_page(plan: CampaignPlan, following: NextStep | None = None) -> tuple[str, str, list[Section]]:

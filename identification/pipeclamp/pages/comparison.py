@@ -20,7 +20,7 @@ from pipeclamp.pages.error_pictures import (
 from pipeclamp.pages.explorer import explored
 from pipeclamp.pages.free_comparison import free_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.show.comparison import found_words, how_much, parts_table, worst_table
+from pipeclamp.show.comparison import beside_even, found_words, how_much, parts_table, worst_table
 from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
 from pipeclamp_identification.comparison.compare import Comparison
@@ -29,10 +29,7 @@ from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.digits import one_digit
 
-EVEN = (
-    "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "
-    "the same part of its force, all along the loop."
-)
+EVEN = beside_even("every run erred by the same part of its force, all along the loop")
 
 
 HARMONICS_SHOWN = 12

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pipeclamp.pages.error_pictures import bars_of, error_bars
 from pipeclamp.pages.free_pictures import over_time_picture, path_picture
 from pipeclamp.pages.page import Section
-from pipeclamp.show.comparison import free_table, parts_table
+from pipeclamp.show.comparison import beside_even, free_table, parts_table
 from pipeclamp_identification.comparison import free_breakdown
 from pipeclamp_identification.comparison.compare import Comparison
 
@@ -17,10 +17,7 @@ FOLLOWED = (
     "tells of a past: then the law is brought there from the nearest place that explains that force. A and f are "
     "tracked from what has passed of the motion, as an FMU with track = true does, and held inside the law's range."
 )
-EVEN = (
-    "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "
-    "the same part of its force all the time."
-)
+EVEN = beside_even("every run erred by the same part of its force all the time")
 
 
 def free_sections(comparison: Comparison) -> list[Section]:

@@ -105,6 +105,11 @@ def percent(share: float | None) -> float | None:
     return None if share is None else 100 * share
 
 
+def beside_even(erred: str) -> str:
+    """Say what share stands beside that of a part, which is there if something erred evenly, so told."""
+    return f"Beside the share of the squared error that a part holds stands the share that it would hold if {erred}."
+
+
 def parts_table(parts: Breakdown, *, even: bool = True, runs: bool = False, most: int | None = None) -> Table:
     """Give parts as a table, worst first."""
     known = any(part.squared_scatter is not None for part in parts.parts)

@@ -40,7 +40,7 @@ def _(found: MetricDiagnosed, ladder: Sequence[Rung], next_command: str, drive: 
 def _rungs(ladder: Sequence[Rung]) -> tuple[RungAnswer, ...]:
     return tuple(
         RungAnswer(
-            effect=rung.change.effect.removeprefix("+ "),
+            effect=rung.change.step.effect if rung.change.step.adds else str(rung.change.step),
             kind=rung.kind,
             heldout_before=rung.change.heldout[0],
             heldout_after=rung.change.heldout[1],

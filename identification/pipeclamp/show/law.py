@@ -10,9 +10,10 @@ from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.digits import one_digit
-from pipeclamp_identification.workflow.change import ADDED, STILL_AS_GOOD, Addition
+from pipeclamp_identification.workflow.change import STILL_AS_GOOD, LawChange
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
+from pipeclamp_models.law.step import read_step
 
 MOVED = 2.0
 """A parameter that changes by more than so many of its standard errors has moved."""
@@ -144,18 +145,18 @@ def _shown(entry: CoefficientEntry | None, outline: ParameterOutline | None) -> 
     return f"{cell(value_shown(entry, outline))}{error}"
 
 
-def addition_table(addition: Addition) -> Table:
+def change_table(change: LawChange) -> Table:
     """Give what a change of a law did to the error, and which parameters came, went, or moved beyond doubt."""
-    scatter = None if addition.noise_nrmse is None else 100 * addition.noise_nrmse
+    scatter = None if change.noise_nrmse is None else 100 * change.noise_nrmse
     rows: list[Sequence[str | float | None]] = [
-        ("error on the runs used / %", 100 * addition.nrmse[0], 100 * addition.nrmse[1]),
-        ("error on left-out conditions / %", 100 * addition.heldout[0], 100 * addition.heldout[1]),
+        ("error on the runs used / %", 100 * change.nrmse[0], 100 * change.nrmse[1]),
+        ("error on left-out conditions / %", 100 * change.heldout[0], 100 * change.heldout[1]),
         ("scatter that no law explains / %", scatter, scatter),
     ]
-    before, after = addition.before.coefficients, addition.after.coefficients
+    before, after = change.before.coefficients, change.after.coefficients
     names = list(dict.fromkeys((*before, *after)))
     moved = [name for name in names if _moved(before.get(name), after.get(name))]
-    outlines = [outlines_of(law) for law in (addition.before, addition.after)]
+    outlines = [outlines_of(law) for law in (change.before, change.after)]
     for name in moved:
         unit = (after.get(name) or before[name]).unit
         values = (
@@ -165,7 +166,7 @@ def addition_table(addition: Addition) -> Table:
         rows.append((f"{name} / {unit}", *values))
     stay = len(names) - len(moved)
     said = f"; {stay} further parameters stay within {MOVED:g} of their standard errors" if stay else ""
-    return Table(("", "before", addition.effect), rows, f"What {addition.effect} did{said}")
+    return Table(("", "before", str(change.step)), rows, f"What {change.step} did{said}")
 
 
 def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
@@ -177,13 +178,13 @@ def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
     """
     if not 0 < steps < len(history):
         return ""
-    added = history[-steps:]
+    taken = [read_step(one.step) for one in history[-steps:]]
     without, having = history[-steps - 1].refitted_nrmse, history[-1].refitted_nrmse
-    if not all(step.step.startswith(ADDED) for step in added):
+    if not all(step.adds for step in taken):
         return ""
     if without is None or having is None or having < without:
         return ""
-    names = " and ".join(step.step.removeprefix(ADDED) for step in added)
+    names = " and ".join(step.effect for step in taken)
     said, did = "The error", "doesn't fall"
     if having > STILL_AS_GOOD * without:
         said, did = "The law got worse: the error", "rises"

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.refit import changed
@@ -21,12 +20,10 @@ from pipeclamp_identification.on_pipe.measurement import (
 )
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_identification.on_pipe.prediction import predict
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.pipe.description import Place
 from pipeclamp_system.description.measured_table import DRIVES, Drive
-
-Complex = NDArray[np.complex128]
 
 SINES = 12
 """Of a proposed series."""
@@ -129,7 +126,7 @@ def _difference_now(one: Candidate, other: Candidate) -> float:
     return max(found)
 
 
-def _difference(one: Array | Complex, other: Array | Complex) -> float:
+def _difference(one: Array | ComplexArray, other: Array | ComplexArray) -> float:
     known = np.isfinite(one) & np.isfinite(other)
     if not known.any():
         return 0.0
@@ -140,7 +137,7 @@ def _difference(one: Array | Complex, other: Array | Complex) -> float:
 
 def _response(
     model: CoupledModel, candidate: Candidate, probes: tuple[Place, ...], test: PipeMeasurement
-) -> NDArray[np.complex128] | None:
+) -> ComplexArray | None:
     """Give what a refitted model's probes would show in a test; None where it has no steady states there."""
     described = replace(model, pipe=model.pipe.model_copy(update={"probes": probes}))
     refitted = changed(described, candidate.suspects, candidate.refit.values)

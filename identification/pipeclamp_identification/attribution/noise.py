@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
 from pipeclamp_identification.on_pipe.series import series_of
 from pipeclamp_identification.on_pipe.sines import scatter_of, turned_error
-from pipeclamp_models.base.arrays import Array
-
-Complex = NDArray[np.complex128]
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 MODEL_ERROR = 3e-3
 """Share of a response by which harmonic balance and the pipe's reduction may err by themselves."""
@@ -32,7 +29,7 @@ def first_guess(measurement: PipeMeasurement) -> Array:
     return _noise(measurement, *FIRST_GUESS)
 
 
-def noise_of(measurement: PipeMeasurement, computed: Complex) -> Array | None:
+def noise_of(measurement: PipeMeasurement, computed: ComplexArray) -> Array | None:
     """Give the standard deviation of real and of imaginary parts; None where nothing tells it, (P, probes).
 
     Neighbouring frequencies have one misfit nearly, but each its own noise: what a misfit departs from the line through
@@ -55,7 +52,7 @@ def noise_of(measurement: PipeMeasurement, computed: Complex) -> Array | None:
     return _beside_scatter(measurement, floor, share)
 
 
-def likeliest_noise(measurement: PipeMeasurement, computed: Complex, parameters: int) -> Array:
+def likeliest_noise(measurement: PipeMeasurement, computed: ComplexArray, parameters: int) -> Array:
     """Give the likeliest standard deviation where a model leaves nothing but noise, (P, probes).
 
     All that it leaves tells the noise then, twice as much as its roughness does: of variance floor^2 +
@@ -94,7 +91,7 @@ def _noise(measurement: PipeMeasurement, floor: float, share: float) -> Array:
     return np.asarray(found)
 
 
-def _roughness(measurement: PipeMeasurement, computed: Complex) -> Sequence[tuple[float, float, float]]:
+def _roughness(measurement: PipeMeasurement, computed: ComplexArray) -> Sequence[tuple[float, float, float]]:
     """Give squared departures from the line through the neighbours, with the series' largest response and the own."""
     steady = measurement.steady
     error = turned_error(measurement, computed)

@@ -10,13 +10,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
 from pipeclamp_identification.attribution.refit import Refit, Start, bounds_of, refit
 from pipeclamp_identification.attribution.suspect import Suspect
 from pipeclamp_identification.attribution.task import Task
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 HOPEFUL = 6
 """Suspects that pairs are made of, each with all others."""
@@ -105,7 +104,7 @@ def _promised(begun: Refit) -> Iterator[PromisedPair]:
         yield PromisedPair(start, _least(begun, columns, lower - values[columns], upper - values[columns]))
 
 
-def _least(begun: Refit, columns: npt.NDArray[np.intp], lower: Array, upper: Array) -> float:
+def _least(begun: Refit, columns: IntArray, lower: Array, upper: Array) -> float:
     """Give the least squares of the linearised model that some parameters leave within bounds."""
     J = begun.jacobian[:, columns]
     size = np.linalg.norm(J, axis=0)

@@ -11,16 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal.windows import tukey
 
 from pipeclamp_identification.attribution.noise import FIRST_GUESS, FLOOR, MODEL_ERROR
 from pipeclamp_identification.attribution.sine_evidence import BURIED
 from pipeclamp_identification.on_pipe.record_files import MotionRecord
 from pipeclamp_identification.on_pipe.record_motion import RecordPrediction
-from pipeclamp_models.base.arrays import Array
-
-Complex = NDArray[np.complex128]
+from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray
 
 LINES = 6
 """Of a band; all but about one of them tell the noise."""
@@ -58,7 +55,7 @@ class Cells:
         pairs = np.concatenate([[LINES], 2.0 * np.arange(LINES - 1, 0, -1)])
         return float(np.sum(pairs * squared) / LINES)
 
-    def lines(self, values: Array) -> Complex:
+    def lines(self, values: Array) -> ComplexArray:
         """Give the lines of a record, (n, probes), by part, band, place in the band and probe."""
         cut = values[: self.parts * self.samples].reshape(self.parts, self.samples, -1)
         spectra = np.fft.rfft(cut * tukey(self.samples, TAPER)[:, None], axis=1)
@@ -90,10 +87,10 @@ class RecordEvidence:
     """
 
     cells: Cells
-    measured: Complex
-    along: Complex
+    measured: ComplexArray
+    along: ComplexArray
     noise: Array
-    used: NDArray[np.bool_]
+    used: BoolArray
 
     @classmethod
     def begun(cls, record: MotionRecord, low: float, high: float) -> RecordEvidence:
@@ -147,11 +144,11 @@ class RecordEvidence:
         return np.concatenate([labels, labels])
 
 
-def _norm(lines: Complex) -> Array:
+def _norm(lines: ComplexArray) -> Array:
     """Give the size of each cell, (parts, bands, probes)."""
     return np.asarray(np.sqrt(np.sum(np.abs(lines) ** 2, axis=2)))
 
 
-def _along(lines: Complex) -> Complex:
+def _along(lines: ComplexArray) -> ComplexArray:
     size = _norm(lines)[:, :, None]
     return np.asarray(lines / np.where(size > 0, size, 1.0))

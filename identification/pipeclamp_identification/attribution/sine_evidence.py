@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.attribution.noise import first_guess, likeliest_noise, noise_of
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
 from pipeclamp_identification.on_pipe.prediction import Prediction
 from pipeclamp_identification.on_pipe.series import series_of
 from pipeclamp_identification.on_pipe.sines import turned_error
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 
 BURIED = 10.0
 """A response of fewer times its noise counts little in a first approach."""
@@ -67,7 +66,7 @@ class SineEvidence:
         ratio *= above_noise
         return self._flat(ratio.real, ratio.imag)
 
-    def on_known_branches(self) -> npt.NDArray[np.bool_]:
+    def on_known_branches(self) -> BoolArray:
         """Tell which values are of a known motion: where there are several stable ones, the sweep says which."""
         steady = self.measurement.steady
         known = (self.stated.branches == 1) | (steady.sweep != 0)

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 
 # a plateau shorter than this is no evidence, whatever else
 FEWEST_ALIKE = 4
@@ -38,7 +37,6 @@ FEWEST_QUANTA = 500
 UNITS: Mapping[Channel, str] = {"displacement": "mm", "force": "N"}
 Column = Literal["displacement_mm", "force_N"]
 COLUMNS: Mapping[Channel, Column] = {"displacement": "displacement_mm", "force": "force_N"}
-Flags = npt.NDArray[np.bool_]
 
 
 def check_clipping(record: Record, cycles: Cycles) -> None:
@@ -82,7 +80,7 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
             )  # fmt: skip
 
 
-def _piles_up(samples: Array, at: Flags) -> bool:
+def _piles_up(samples: Array, at: BoolArray) -> bool:
     """Tell whether more samples stand at an extreme than a top that is seen through noise has there."""
     count = np.count_nonzero(at)
     if count < FEWEST_PILED:
@@ -148,7 +146,7 @@ def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
     return found
 
 
-def _longest_row(alike: Flags) -> tuple[int, int]:
+def _longest_row(alike: BoolArray) -> tuple[int, int]:
     """Give where the longest row of True begins, and how long it is: 0 where nothing is True."""
     places = np.flatnonzero(alike)
     if len(places) == 0:

@@ -23,6 +23,7 @@ from pipeclamp_identification.campaign.seen import LeftOut, SeenRecord, seen_fre
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_content
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.threads import in_threads
 
 BYTES_OF_A_NUMBER = 8
@@ -105,7 +106,7 @@ class Campaign:
                 "segment=...)"
             )
         remark = (
-            f"{len(self.free)} run{'s' if many else ''} of free motion {'are' if many else 'is'} left out ({names}): "
+            f"{counted(len(self.free), 'run')} of free motion {'are' if many else 'is'} left out ({names}): "
             "laws are fitted to sines alone so far; compare takes them"
         )
         return replace(self, free=(), remarks=(*self.remarks, remark))

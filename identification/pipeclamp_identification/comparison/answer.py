@@ -17,7 +17,7 @@ from pipeclamp_identification.comparison.concentration import Region, region
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples
 from pipeclamp_identification.comparison.free_concentration import error_outside, free_region, outside_share
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -172,7 +172,7 @@ def comparison_answer(comparison: Comparison) -> ComparisonAnswer:
             *(_free_run(run, comparison) for run in comparison.free),
         ),
         where=_where(comparison),
-        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in comparison.campaign.left_out),
+        left_out=left_out_runs(comparison.campaign.left_out),
         sensors=comparison.campaign.faults,
     )
 

@@ -113,14 +113,14 @@ def classes_of(name: str, unit: str, values: Sequence[Array], count: int = CLASS
     return Classes(name, unit, edges, of)
 
 
-def motion_classes(samples: Sequence[FreeSamples], count: int = CLASSES) -> tuple[Classes, ...]:
+def motion_classes(samples: Sequence[FreeSamples]) -> tuple[Classes, ...]:
     """Give the classes of what motions do: displacement, speed, tracked amplitude and frequency."""
     runs = [one.misfit for one in samples]
     return (
-        classes_of("displacement", "mm", [run.y for run in runs], count),
-        speed_classes(samples, count),
-        amplitude_classes(samples, count),
-        classes_of("tracked frequency", "Hz", [run.frequency for run in runs], count),
+        classes_of("displacement", "mm", [run.y for run in runs]),
+        speed_classes(samples),
+        amplitude_classes(samples),
+        classes_of("tracked frequency", "Hz", [run.frequency for run in runs]),
     )
 
 

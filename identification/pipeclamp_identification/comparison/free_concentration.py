@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.concentration import (
@@ -29,7 +28,7 @@ from pipeclamp_identification.comparison.free_breakdown import (
     speed_classes,
 )
 from pipeclamp_identification.fitting.misfit import overall_nrmse
-from pipeclamp_models.base.arrays import IntArray
+from pipeclamp_models.base.arrays import BoolArray, IntArray
 
 QUARTERS = ("first", "second", "third", "last")
 THIRDS = 3
@@ -69,7 +68,7 @@ def _motion_factors(places: IntArray, runs: int, speed: Classes, amplitude: Clas
     """Give the ways to confine a region along motions; `places` say where each cell lies, (6, cells)."""
     everywhere = np.ones(runs)
 
-    def factor(name: str, words: str, inside: npt.NDArray[np.bool_]) -> Factor:
+    def factor(name: str, words: str, inside: BoolArray) -> Factor:
         return Factor(name, words, everywhere, inside.astype(np.float64))
 
     place, direction, side, fast, large, quarter = places
@@ -146,7 +145,7 @@ def error_outside(samples: Sequence[FreeSamples], index: int) -> float:
     return outside / total if total > 0.0 else 0.0
 
 
-def _outside(one: FreeSamples, index: int) -> npt.NDArray[np.bool_]:
+def _outside(one: FreeSamples, index: int) -> BoolArray:
     """Tell at which samples the tracked A (index 0) or f (1) lies outside the law's range, shape (n,)."""
     low, high = one.misfit.ranges[index]
     values = (one.misfit.amplitude, one.misfit.frequency)[index]

@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer
 from pipeclamp_identification.fitting.misfit import overall_nrmse
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 from pipeclamp_models.law.file import Kind, Verdict
 
 
@@ -177,7 +177,7 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         no_next_test=found.no_test or None,
         left_over=found.left_over(),
         reasons=diagnosis.reasons,
-        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.comparison.campaign.left_out),
+        left_out=left_out_runs(found.comparison.campaign.left_out),
         sensors=found.comparison.campaign.faults,
         groups=groups_answer(found.groups),
         ladder=ladder,

@@ -16,14 +16,21 @@ from pipeclamp_identification.diagnosis.problem import (
     most_promising_first,
     roughly,
 )
-from pipeclamp_identification.diagnosis.screen import Promise, beside, candidate_names, fits, fits_beside
+from pipeclamp_identification.diagnosis.screen import (
+    Promise,
+    beside,
+    candidate_names,
+    fits,
+    fits_beside,
+    promising_starts,
+)
 from pipeclamp_identification.diagnosis.thresholds import (
     LARGER_MEMBER_SQUARES,
     RIVAL_LIKELIHOOD,
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, sized_and_linearised, starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_models.law.catalogue import act_alike, effect_id
@@ -53,7 +60,8 @@ def candidates(
     chosen = [promise for promise in promises if effect_id(promise.name) in asked and promise.gain >= worth]
     left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
     contenders = [
-        Contender((promise.name,), with_effect(structure, promise.name), promise.ranked_starts()) for promise in chosen
+        Contender((promise.name,), with_effect(structure, promise.name), [start.values for start in promise.starts])
+        for promise in chosen
     ]
     judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, tell), problem, jobs, tell))
     best = [each.result.law.structure.effect(each.effects[0]) for each in judged[:MOST_PAIRED]]
@@ -247,15 +255,12 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
         if fits(structure, name) or not fits_beside(larger, name):
             continue
         both, stated = with_effect(larger, name), first.result.law.values
-        started = [
-            sized_and_linearised(both, problem.coarse, point, kept(point, stated))
-            for point in starting_points(both, problem.coarse, stated)
-        ]
-        promising = sorted(((there.cost_after_one_step(), start) for start, there in started), key=lambda one: one[0])
-        starts = [start for _, start in promising]
+        points = ((point, kept(point, stated)) for point in starting_points(both, problem.coarse, stated))
+        promising = promising_starts(both, problem, points)
+        starts = [start.values for start in promising]
         going_on = next(start for start in starts if kept(start, stated) == set(stated))
         in_order = [going_on, *(start for start in starts if start is not going_on)]
-        contenders.append((promising[0][0], Contender((first.effects[0], name), both, in_order)))
+        contenders.append((promising[0].cost, Contender((first.effects[0], name), both, in_order)))
     return contenders
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from pipeclamp_identification.diagnosis.noise import UNSEEN
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.observations import Rows, mean_squares_of
+from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def foretold(judged: Judged, problem: Problem) -> Foretold:
     return beyond_scatter(judged.score.mean_squares - scatter, problem.groups, problem.loops.scatter_rms_N)
 
 
-def beyond_scatter(excess: Array, groups: Rows, noise_rms: Array) -> Foretold:
+def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> Foretold:
     """Say how large an error is of which each run shows this much.
 
     Args:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import stats
 
 from pipeclamp_identification.campaign.reading import Campaign
@@ -15,7 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NO
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.signals.spectrum import hann_spectrum
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 
 POINTS = 360
 STRONGEST = 3
@@ -228,7 +227,7 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
     return tuple(float(np.mean(candidates[line])) for line in lines)
 
 
-def _backgrounds(spectrum: Array, usable: npt.NDArray[np.bool_]) -> Array:
+def _backgrounds(spectrum: Array, usable: BoolArray) -> Array:
     """Give the mean power that noise has at each line, from its neighbours on both sides; NaN where there are too few.
 
     Coloured noise falls with frequency: the geometric mean of the medians on either side follows the slope.

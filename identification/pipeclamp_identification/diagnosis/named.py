@@ -7,12 +7,11 @@ from typing import Protocol, Self, TypeVar
 
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
+from pipeclamp_models.law.step import LawStep, read_step
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 WITH = " with "
 """Joins the names of two that help only together."""
-ON_BASE = "base "
-"""Begins the step by which a law was put on another base."""
 FURTHER_TESTS = "tests at further conditions would tell whether it is real"
 
 
@@ -67,8 +66,8 @@ def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collecti
 
 def parts_of(file: LawFile) -> list[str]:
     """Give the effects of a law that were added as parts, which prove nothing."""
-    added = {step.step.rpartition(" -> ")[2].removeprefix("+ ") for step in file.history if step.kind == "part"}
-    return [name for name in file.effects if name in added]
+    came = {name for one in file.history if one.kind == "part" for name in read_step(one.step).come}
+    return [name for name in file.effects if name in came]
 
 
 def unproved_of(file: LawFile) -> list[str]:
@@ -76,10 +75,10 @@ def unproved_of(file: LawFile) -> list[str]:
 
     Not a constant force where most of the force is a constant load: no effect of the motion makes as much of a mean.
     """
-    on_another_base = any(step.step.startswith(ON_BASE) for step in file.history)
+    on_another_base = any(read_step(one.step).base for one in file.history)
     loaded = file.fit is not None and file.fit.mean_share is not None
     parts = [name for name in parts_of(file) if not (loaded and _is_constant(name))]
-    return [*parts, *([f"{ON_BASE}{file.base}"] if on_another_base else [])]
+    return [*parts, *([str(LawStep(base=file.base))] if on_another_base else [])]
 
 
 def _is_constant(name: str) -> bool:
@@ -107,7 +106,7 @@ def _tried_in_vain(effects: Sequence[str], file: LawFile, fingerprint: str, decl
 
 
 def in_vain_on(file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> dict[str, InVain]:
-    """Give what was tried in vain on tests, by effect; arguments as for `tried_in_vain`."""
+    """Give what was tried in vain on tests, by effect; arguments as for `by_history`."""
     if file.diagnosis is None or file.data.fingerprint != fingerprint:
         return {}
     own = {declaration.id for declaration in declared}

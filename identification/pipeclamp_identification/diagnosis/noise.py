@@ -16,10 +16,10 @@ from scipy.optimize import brentq
 
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter, directions
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Poolings
-from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis, trends
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
 
@@ -236,7 +236,7 @@ class WhitenedObservations:
         """As harmonics are."""
         return True
 
-    def rows(self, chosen: Rows) -> WhitenedObservations:
+    def rows(self, chosen: IntArray) -> WhitenedObservations:
         """Give the observations of some of the loops."""
         factors = None if self.factors is None else self.factors.rows(chosen)
         return WhitenedObservations(self.loops.rows(chosen), self.whitener[chosen], factors)
@@ -265,7 +265,7 @@ class WhitenedObservations:
         residual = self.against_noise(law_force)
         return residual if self.poolings is None else self.poolings.beside(law_force).without(residual)
 
-    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def residual_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the residuals, shape (P, R, m)."""
         slopes = self.in_units(self.loops.plain_slopes(law_force, parameters))
         return slopes if self.poolings is None else self.poolings.beside(law_force).without(slopes)

@@ -8,11 +8,10 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
-from pipeclamp_identification.diagnosis.left_out import LeftOut, LeftOutScore, Whitened, whitened
+from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
@@ -21,16 +20,10 @@ from pipeclamp_identification.fitting.groups import Groups, factors_of, find_gro
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import ages, fit_structure
 from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, unfitted
-from pipeclamp_identification.fitting.observations import (
-    LoopObservations,
-    Rows,
-    coarser,
-    loop_observations,
-    points_enough,
-)
+from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations, points_enough
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, per_cycle
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
@@ -73,8 +66,8 @@ class Problem:
     few: LoopObservations
     noise: NoiseModel
     smooth: Array
-    groups: Rows
-    further_groups: Mapping[str, Rows]
+    groups: IntArray
+    further_groups: Mapping[str, IntArray]
     discrepancy: float = 0.0
     factors: GroupFactors | None = None
 
@@ -245,7 +238,7 @@ def judge(
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise, fitted.factors) if problem.discrepancy else fitted
-    left_out = LeftOut(result, problem.observations, problem.coarse, fitted)
+    left_out = WithoutGroups(result, problem.observations, problem.coarse, fitted)
     score = left_out.score(problem.groups)
     plain = problem.plain_residual(result.law_force)
     lack = lack_of_fit(
@@ -280,7 +273,7 @@ def most_promising_first(
     return sorted(starts, key=lambda start: linearised(structure, observations, start).cost_after_one_step())
 
 
-def _share_of_force(score: LeftOutScore, loops: Loops, left_out: npt.NDArray[np.bool_]) -> float:
+def _share_of_force(score: LeftOutScore, loops: Loops, left_out: BoolArray) -> float:
     """Give the error on the runs that are left out as a share of their force, scatter included."""
     squares = score.mean_squares + loops.noise_rms_N**2
     return float(np.sqrt(np.sum(squares[left_out]) / np.sum(loops.force_rms_N[left_out] ** 2)))

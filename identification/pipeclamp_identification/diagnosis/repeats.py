@@ -11,10 +11,9 @@ from scipy.special import chdtri
 
 from pipeclamp_identification.diagnosis.noise import MOST_SCATTER, NoiseModel
 from pipeclamp_identification.diagnosis.thresholds import REAL_LACK_CHANCE
-from pipeclamp_identification.fitting.observations import Rows
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 MOST_OF_MISFIT = 0.5
 """Where more of what a law misses than this share (mean square) differs between repeats, an effect of what is stated
@@ -89,7 +88,7 @@ def unstated(loops: Loops, noise: NoiseModel, residual: Array, missed: Array) ->
     return Unstated(int(runs.sum()), shares, _between(repeats, missed), known) if shares else None
 
 
-def _between(repeats: Sequence[Rows], missed: Array) -> float:
+def _between(repeats: Sequence[IntArray], missed: Array) -> float:
     """Give the share of what is missed (mean square) that differs between repeats."""
     deviations = sum(np.sum((missed[group] - missed[group].mean(axis=0)) ** 2) for group in repeats)
     free = sum(len(group) - 1 for group in repeats)
@@ -97,7 +96,7 @@ def _between(repeats: Sequence[Rows], missed: Array) -> float:
     return float(deviations / free / whole) if whole > 0 else 0.0
 
 
-def _repeats(loops: Loops) -> list[Rows]:
+def _repeats(loops: Loops) -> list[IntArray]:
     """Give the first rows of runs at the same stated conditions, several runs a group."""
     first = np.unique(loops.run, return_index=True)[1]
     stated = [
@@ -113,7 +112,7 @@ def _repeats(loops: Loops) -> list[Rows]:
     return [group for group in members if len(group) > 1]
 
 
-def _same(values: Array, relative: float, absolute: float) -> Rows:
+def _same(values: Array, relative: float, absolute: float) -> IntArray:
     """Number the set points that values scatter about; a value that belongs to none is alone."""
     numbers = np.arange(len(values), dtype=np.intp)
     for level in number_levels(values, relative=relative, absolute=absolute):

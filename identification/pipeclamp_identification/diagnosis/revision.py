@@ -15,14 +15,13 @@ from pipeclamp_identification.diagnosis.problem import (
     Prepared,
     Problem,
     judge,
-    most_promising_first,
     prepare,
     roughly,
     weighed_again,
 )
-from pipeclamp_identification.diagnosis.screen import candidate_names
+from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.least_squares import Fit, sized_start, starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
@@ -178,13 +177,10 @@ def _swapped(asked: Asked, swaps: Iterable[_Swap], progress: Progress) -> list[J
     for swap in swaps:
         progress(f"{swap.come} in place of {swap.gone}")
         try:
-            kept = swap.structure.own(asked.values)
-            starts = [
-                sized_start(swap.structure, asked.problem.coarse, start, kept)
-                for start in starting_points(swap.structure, asked.problem.coarse, kept)
-            ]
-            promising = most_promising_first(swap.structure, asked.problem.coarse, starts)
-            rough.append((roughly(swap.structure, promising, asked.problem), swap.come))
+            own = swap.structure.own(asked.values)
+            points = ((point, own) for point in starting_points(swap.structure, asked.problem.coarse, own))
+            starts = [start.values for start in promising_starts(swap.structure, asked.problem, points)]
+            rough.append((roughly(swap.structure, starts, asked.problem), swap.come))
         except UserError:  # another effect modifies what only the one before has
             continue
     rough.sort(key=lambda entry: entry[0].cost)

@@ -39,27 +39,48 @@ def candidate_names(structure: Structure, conditions: Iterable[str], *, time_mea
 
 
 @dataclass(frozen=True, eq=False)
+class FitStart:
+    """Where a fit may start: each effect that isn't known as large as the data ask for.
+
+    Attributes:
+        values: all of the law's parameters.
+        step: the law there, linearised.
+        cost: after one step of linear least squares.
+    """
+
+    values: Mapping[str, float]
+    step: Linearised
+    cost: float
+
+
+@dataclass(frozen=True, eq=False)
 class Promise:
     """What an effect promises by one step of linear least squares from the best of its starts.
 
     Attributes:
         name: the effect.
         gain: by how much the step lowers the cost.
-        start: the start's values, all of the law's parameters.
-        steps: the law with the effect at each of its starts, linearised.
-        starts: those starts.
+        starts: where the law with the effect may start, most promising first.
     """
 
     name: str
     gain: float
-    start: Mapping[str, float]
-    steps: Sequence[Linearised]
-    starts: Sequence[Mapping[str, float]]
+    starts: Sequence[FitStart]
 
-    def ranked_starts(self) -> list[Mapping[str, float]]:
-        """Give the starts, most promising first."""
-        costs = [step.cost_after_one_step() for step in self.steps]
-        return [self.starts[place] for place in np.argsort(costs, kind="stable")]
+
+def promising_starts(
+    structure: Structure, problem: Problem, points: Iterable[tuple[Mapping[str, float], Collection[str]]]
+) -> list[FitStart]:
+    """Give where a fit may start, most promising first.
+
+    Args:
+        structure: what is to be fitted.
+        problem: the data.
+        points: a value for each parameter, and the names of those whose values are known.
+    """
+    started = [sized_and_linearised(structure, problem.coarse, point, known) for point, known in points]
+    starts = [FitStart(values, step, step.cost_after_one_step()) for values, step in started]
+    return sorted(starts, key=lambda start: start.cost)
 
 
 def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> Promise | None:
@@ -78,11 +99,8 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
         if any(declaration.id == name for declaration in structure.declared):
             raise  # who declares an effect wants to know why it can't be tried
         return None
-    started = [sized_and_linearised(larger, problem.coarse, point, known) for point, known in stated]
-    starts, steps = [start for start, _ in started], [step for _, step in started]
-    costs = [step.cost_after_one_step() for step in steps]
-    best = int(np.argmin(costs))
-    return Promise(name, law.result.cost - costs[best], starts[best], steps, starts)
+    starts = promising_starts(larger, problem, stated)
+    return Promise(name, law.result.cost - starts[0].cost, starts)
 
 
 def _starts(
@@ -113,7 +131,8 @@ def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[st
     jacobian = first.fitted.jacobian.reshape(-1, first.fitted.jacobian.shape[2])
     own = set(first.result.equations.names)
     costs = []
-    for step in promise.steps:
+    for start in promise.starts:
+        step = start.step
         new = [place for place, name in enumerate(step.free) if name not in own]
         together = Linearised(
             first.result.fitted + tuple(step.free[place] for place in new),
@@ -122,7 +141,7 @@ def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[st
         )
         costs.append(together.cost_after_one_step())
     best = int(np.argmin(costs))
-    return first.result.cost - costs[best], {**promise.starts[best], **first.result.law.values}, promise
+    return first.result.cost - costs[best], {**promise.starts[best].values, **first.result.law.values}, promise
 
 
 def screened(

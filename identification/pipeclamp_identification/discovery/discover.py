@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
@@ -32,6 +31,7 @@ from pipeclamp_identification.discovery.weights import weighed_as
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
+from pipeclamp_models.base.arrays import BoolArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -308,7 +308,7 @@ def _by_name(loops: Loops) -> Loops:
     return replace(loops, rows=tuple(sorted(loops.rows, key=lambda row: row.run)))
 
 
-def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:
+def _rows(loops: Loops, chosen: BoolArray) -> Loops:
     return replace(loops, rows=tuple(row for row, one in zip(loops.rows, chosen, strict=True) if one))
 
 

@@ -6,11 +6,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_fmu.build import creates_energy, passivity
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
-from pipeclamp_identification.diagnosis.left_out import LeftOut
+from pipeclamp_identification.diagnosis.left_out import WithoutGroups
 from pipeclamp_identification.diagnosis.named import WITH
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -21,7 +20,7 @@ from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations, force_of_law
@@ -53,7 +52,7 @@ def beyond_chance(explained: float, by_chance: float) -> Guard:
     return Guard("more than chance", bool(explained > by_chance), words)
 
 
-def comes_back(judged: Sequence[Judged], alike: npt.NDArray[np.bool_], groups: npt.NDArray[np.intp]) -> Guard:
+def comes_back(judged: Sequence[Judged], alike: BoolArray, groups: IntArray) -> Guard:
     """Ask whether a term, or one that acts alike, does as well as the best again where conditions are drawn again.
 
     What counts as well is what counted when the term was chosen (`RIVAL_LIKELIHOOD`).
@@ -102,7 +101,7 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
     return Guard("does no harm beyond", not worse, words if asked else "too few levels to leave the highest out")
 
 
-def highest(values: Array, beyond: float) -> npt.NDArray[np.bool_]:
+def highest(values: Array, beyond: float) -> BoolArray:
     """Tell which runs lie above the highest level over a factor; two levels stay below, else none is told of.
 
     Args:
@@ -139,7 +138,7 @@ def worse_between_levels(law: Judged, found: Judged, problem: Problem) -> str:
     return f"left out, a {names} between others is foretold worse with it than without: test at more levels of {names}"
 
 
-def levels_between(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
+def levels_between(loops: Loops) -> dict[str, IntArray]:
     """Give the level of each run, of temperature and of further columns, shape (R,); -1 at the lowest and highest."""
     found = {}
     for name, values in {"temperature": loops.temperature_K, **loops.conditions}.items():
@@ -152,14 +151,14 @@ def levels_between(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
     return found
 
 
-def _squares_left_out(judged: Judged, problem: Problem, groups: npt.NDArray[np.intp]) -> float:
+def _squares_left_out(judged: Judged, problem: Problem, groups: IntArray) -> float:
     """Give the squares of groups of runs, in units of their noise, where a law isn't fitted to them; of -1 none."""
     result, law = judged.result, judged.result.law
     force = force_of_equations(
         result.equations, law.vector(result.equations), (law.v_r, law.y_r), problem.observations.motion,
         derivatives=True,
     )  # fmt: skip
-    whole = LeftOut(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
+    whole = WithoutGroups(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
     return float(whole.score(groups).squares.sum())
 
 

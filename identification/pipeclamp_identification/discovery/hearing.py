@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
@@ -25,7 +24,7 @@ from pipeclamp_identification.discovery.guards import (
 from pipeclamp_identification.discovery.search import Screened, screened
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.law.declaration import Declaration
 
 
@@ -124,7 +123,7 @@ class Refitted:
         return len(self.term.declaration.parameters)
 
 
-def beside(one: Refitted, groups: npt.NDArray[np.intp], others: Sequence[Column] = ()) -> Screened:
+def beside(one: Refitted, groups: IntArray, others: Sequence[Column] = ()) -> Screened:
     """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
 
     That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
@@ -189,7 +188,7 @@ class Hearing:
         groups = self.evaluation.problem.groups
         return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
 
-    def alike(self, place: int) -> npt.NDArray[np.bool_]:
+    def alike(self, place: int) -> BoolArray:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
         alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
         alike[place] = True

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 
 FLIPS = 400
 """Times that signs of runs are turned."""
@@ -48,8 +48,8 @@ class Screened:
     columns: Sequence[Column]
     free: npt.NDArray[np.float32]
     by_run: tuple[Array, Array]
-    groups: npt.NDArray[np.intp]
-    signed: npt.NDArray[np.bool_]
+    groups: IntArray
+    signed: BoolArray
     lengths: Array
 
     def explained(self, signs: Array | None = None) -> Array:
@@ -125,12 +125,12 @@ class Screened:
                 chosen.append(place)
         return chosen
 
-    def alike(self, place: int, least: float = ALIKE) -> npt.NDArray[np.bool_]:
+    def alike(self, place: int, least: float = ALIKE) -> BoolArray:
         """Tell which columns act as one does, with this correlation at least, shape (C,)."""
         return np.asarray(np.abs(self.free.T @ self.free[:, place]) > least)
 
 
-def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups: npt.NDArray[np.intp]) -> Screened:
+def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
     """Free columns of what a law's parameters can do.
 
     Args:

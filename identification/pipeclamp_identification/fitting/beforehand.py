@@ -10,9 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.law.outline import Sizes, number_in
 
@@ -33,7 +32,7 @@ def parameter_bounds(equations: Equations, scales: Sizes) -> tuple[Array, Array]
     return lower, upper
 
 
-def close_to_a_bound(values: Array, lower: Array, upper: Array, share: float) -> npt.NDArray[np.bool_]:
+def close_to_a_bound(values: Array, lower: Array, upper: Array, share: float) -> BoolArray:
     """Tell which values lie within a share of their allowed range of a bound, shape (P,) each.
 
     Where a bound is infinite the value itself stands for the range.
@@ -44,9 +43,7 @@ def close_to_a_bound(values: Array, lower: Array, upper: Array, share: float) ->
     return np.asarray((values - lower <= above) | (upper - values <= width))
 
 
-def steps_over_a_bound(
-    values: Array, lower: Array, upper: Array, residual: Array, jacobian: Array
-) -> npt.NDArray[np.bool_]:
+def steps_over_a_bound(values: Array, lower: Array, upper: Array, residual: Array, jacobian: Array) -> BoolArray:
     """Tell which parameters a step of least squares of their own, the others held, would take over a bound.
 
     Args:
@@ -67,7 +64,7 @@ class Priors:
     mean: Array
     root: Array
 
-    def of(self, chosen: npt.NDArray[np.intp]) -> Priors:
+    def of(self, chosen: IntArray) -> Priors:
         """Give those of some parameters."""
         return Priors(self.mean[chosen], self.root[chosen])
 

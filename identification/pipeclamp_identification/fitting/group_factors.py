@@ -13,9 +13,9 @@ from typing import Protocol
 
 import numpy as np
 
-from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.signals.orthonormal import orthonormal
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
 
@@ -103,12 +103,12 @@ class GroupFactors:
 
     directions: Array
     members: Array
-    kinds: Rows
+    kinds: IntArray
     spreads: Array
     values: Array
     own: frozenset[str] = frozenset()
 
-    def rows(self, chosen: Rows) -> GroupFactors:
+    def rows(self, chosen: IntArray) -> GroupFactors:
         """Give them for some of the rows."""
         return replace(self, directions=self.directions[:, chosen], members=self.members[:, chosen])
 
@@ -120,7 +120,7 @@ class GroupFactors:
         directions[:, law_force.adrift, 0] = 0.0
         return replace(self, directions=directions)
 
-    def of_groups_in(self, own: Rows) -> Array:
+    def of_groups_in(self, own: IntArray) -> Array:
         """Give the factors of groups that stand in these rows alone, as sums of the differences, shape (C, K)."""
         sums = []
         for kind in np.unique(self.kinds):
@@ -221,7 +221,7 @@ class PooledObservations:
         """Give measured less law, in units in which noise and factors together are independent."""
         return self._poolings.beside(law_force).without(self.loops.residual(law_force))
 
-    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def residual_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the residuals."""
         slopes = self.loops.residual_slopes(law_force, parameters)
         return self._poolings.beside(law_force).without(slopes)

@@ -14,11 +14,11 @@ from typing import Literal
 import numpy as np
 
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Mixed, contrasts_of, mixed
-from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
 from pipeclamp_identification.signals.orthonormal import orthonormal
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.signals import signal_of
 from pipeclamp_models.realise.force import LawForce
 
@@ -100,7 +100,7 @@ class _Runs:
     """Shares by run: rows of one run, its cycles say, together."""
 
     names: tuple[str, ...]
-    rows: Rows
+    rows: IntArray
     quantities: Mapping[Quantity, Array]
     labels: Mapping[str, Sequence[str]]
     size: float
@@ -247,7 +247,7 @@ class _Conditions:
         return orthonormal(np.stack(columns, axis=1))
 
 
-def _one_at(rows: Rows, count: int) -> Array:
+def _one_at(rows: IntArray, count: int) -> Array:
     column = np.zeros(count)
     column[rows] = 1.0
     return column

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.fitting.group_factors import PooledObservations
 from pipeclamp_identification.fitting.groups import factors_of, find_groups
 from pipeclamp_identification.fitting.least_squares import fit
-from pipeclamp_identification.fitting.observations import LoopObservations, Rows, coarser
+from pipeclamp_identification.fitting.observations import LoopObservations, coarser
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, Level, name_levels, number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
@@ -23,7 +22,7 @@ CLOSELY = 1e-6
 """Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
 
 
-def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
+def condition_groups(loops: Loops) -> IntArray:
     """Give each loop the number of its (amplitude, frequency) group, shape (R,).
 
     Where conditions lie so dense that they would all be the same, classes of them make the groups. Where all tests are
@@ -39,7 +38,7 @@ def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
     return groups.astype(np.intp)
 
 
-def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
+def further_groups(loops: Loops) -> dict[str, IntArray]:
     """Give other ways to leave runs out: by temperature, specimen or further condition, each run's group by name.
 
     A condition needs three levels: what it does can't be foretold from one. A further condition needs four, for its
@@ -61,7 +60,7 @@ def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
     return groups
 
 
-def _numbers(levels: Sequence[Level], count: int) -> npt.NDArray[np.intp]:
+def _numbers(levels: Sequence[Level], count: int) -> IntArray:
     """Give the number of the level of each of so many runs; -1 where none of these has it."""
     numbers = np.full(count, -1, dtype=np.intp)
     for number, level in enumerate(levels):
@@ -69,7 +68,7 @@ def _numbers(levels: Sequence[Level], count: int) -> npt.NDArray[np.intp]:
     return numbers
 
 
-def folds(groups: npt.NDArray[np.intp], most: int) -> Iterator[tuple[Rows, Rows]]:
+def folds(groups: IntArray, most: int) -> Iterator[tuple[IntArray, IntArray]]:
     """Give (rows to fit, rows left out), whole groups left out at a time, in at most so many folds.
 
     Raises:

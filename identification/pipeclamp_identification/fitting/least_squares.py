@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.fitting.beforehand import (
     AT_BOUND,
@@ -34,7 +33,7 @@ from pipeclamp_identification.fitting.starts import (
     starts_of_effects,
 )
 from pipeclamp_identification.signals.levels import count_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
@@ -92,7 +91,7 @@ class Fit:
     groups: tuple[Groups, ...] = ()
 
     @property
-    def places(self) -> npt.NDArray[np.intp]:
+    def places(self) -> IntArray:
         """Places of the fitted parameters among all of the law's."""
         place = {name: index for index, name in enumerate(self.equations.names)}
         return np.array([place[name] for name in self.fitted], dtype=np.intp)
@@ -112,14 +111,14 @@ class Fit:
         """Give the standard error of each fitted parameter by name."""
         return dict(zip(self.fitted, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
-    def strong_correlations(self, limit: float = STRONG_CORRELATION) -> list[tuple[str, str, float]]:
-        """Give the pairs of parameters whose correlation exceeds the limit, strongest first."""
+    def strong_correlations(self) -> list[tuple[str, str, float]]:
+        """Give the pairs of parameters whose correlation exceeds `STRONG_CORRELATION`, strongest first."""
         scale = np.sqrt(np.diag(self.covariance))
         correlation = self.covariance / np.outer(scale, scale)
         pairs = [
             (self.fitted[i], self.fitted[j], float(np.clip(correlation[i, j], -1, 1)))
             for i, j in itertools.combinations(range(len(self.fitted)), 2)
-            if abs(correlation[i, j]) > limit
+            if abs(correlation[i, j]) > STRONG_CORRELATION
         ]
         return sorted(pairs, key=lambda pair: -abs(pair[2]))
 
@@ -154,7 +153,7 @@ class _Evaluator:
 
     law: _Remembered
     values: Array
-    free: npt.NDArray[np.intp]
+    free: IntArray
 
     @property
     def observations(self) -> Observations:

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.campaign.smoothing import averaged
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
 from pipeclamp_identification.signals.sampled_transform import sampled_transform
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.signals import REFERENCES, condition_signal
@@ -33,8 +32,6 @@ GRID_ERROR = 10.0
 GRID_NOISE_SHARE = 0.05
 """What the points err by is less than this share of the scatter: half of what is worth an effect."""
 
-Rows = npt.NDArray[np.intp]
-
 
 class Observations(Protocol):
     """Measured quantities, in units of their own uncertainty, on known motions."""
@@ -54,7 +51,7 @@ class Observations(Protocol):
     def residual(self, law_force: LawForce) -> Array:
         """Give the weighted residuals, measured less law, shape (R, m), for the law's force on the motion."""
 
-    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def residual_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the residuals by some of the parameters, shape (P, R, m)."""
 
     def compared(self, law_force: LawForce) -> int:
@@ -80,7 +77,7 @@ def harmonics_of(samples: Array, count: int) -> Array:
     return harmonics
 
 
-def harmonic_slopes(law_force: LawForce, count: int, parameters: Rows) -> Array:
+def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Array:
     """Give the derivatives of a force's harmonics 0..count by some of the law's parameters, shape (P, R, m)."""
     return known_jacobian(law_force).through(lambda forces: harmonics_of(forces, count), parameters)
 
@@ -144,7 +141,7 @@ class LoopObservations:
         return np.asarray(np.moveaxis(found, 0, 1).reshape(*force.shape[:-1], -1))
 
     @property
-    def seen(self) -> npt.NDArray[np.bool_]:
+    def seen(self) -> BoolArray:
         """Whether each entry was measured; sampling may not carry the highest harmonics."""
         return np.isfinite(self.standard_error)
 
@@ -154,7 +151,7 @@ class LoopObservations:
         residual[:, 0] -= np.clip(residual[:, 0], -law_force.held, law_force.held)
         return np.asarray(residual)
 
-    def open_means(self, law_force: LawForce) -> npt.NDArray[np.bool_]:
+    def open_means(self, law_force: LawForce) -> BoolArray:
         """Tell in which rows a state that is adrift can hold the measured mean force, shape (R,)."""
         if not law_force.adrift.any():
             return law_force.adrift
@@ -164,7 +161,7 @@ class LoopObservations:
         """Give the measured mean force less the law's own, N, shape (R,)."""
         return np.asarray(self.harmonics[:, 0] - law_force.force.mean(axis=1))
 
-    def plain_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def plain_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the plain residuals; the transform is linear."""
         slopes = -known_jacobian(law_force).through(self.transformed, parameters)
         slopes[:, self.open_means(law_force), 0] = 0.0
@@ -178,7 +175,7 @@ class LoopObservations:
         """Give (measured - law)/standard error."""
         return np.asarray(self.plain_residual(law_force) / self.standard_error)
 
-    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def residual_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the residuals."""
         return np.asarray(self.plain_slopes(law_force, parameters) / self.standard_error)
 
@@ -186,7 +183,7 @@ class LoopObservations:
         """Give how many of the residuals are evidence."""
         return int(np.count_nonzero(self.seen) - np.count_nonzero(law_force.adrift & self.seen[:, 0]))
 
-    def rows(self, chosen: Rows) -> LoopObservations:
+    def rows(self, chosen: IntArray) -> LoopObservations:
         """Give the observations of some of the loops."""
         return LoopObservations(
             self.motion.rows(chosen),

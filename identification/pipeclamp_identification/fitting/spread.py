@@ -13,16 +13,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import Fit
 from pipeclamp_identification.fitting.local_form import local_form
-from pipeclamp_identification.fitting.observations import LoopObservations, Rows, loop_observations
+from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.file import Foretold, Shares, Spread
 from pipeclamp_models.law.range import rounded
 
@@ -87,7 +86,7 @@ class _LeftOut:
         flat = self._slopes.reshape(len(norms), -1)
         self._information = flat @ flat.T + np.diag(fit.precision / norms**2)
 
-    def shares(self, groups: npt.NDArray[np.intp]) -> Array:
+    def shares(self, groups: IntArray) -> Array:
         """Give the shares of runs of which each group (number from 0) is left out at a time, (2, R)."""
         residual = self.residual.copy()
         for group in range(int(groups.max()) + 1):
@@ -127,7 +126,7 @@ def _between_runs(found: _Pair, loops: Loops) -> Array:
     return np.asarray(np.maximum(np.sum(rest**2, axis=1) - by_noise, 0.0) / free)
 
 
-def _ends(loops: Loops) -> Mapping[str, tuple[npt.NDArray[np.intp], float]]:
+def _ends(loops: Loops) -> Mapping[str, tuple[IntArray, float]]:
     """Give, by condition, which runs are at its lowest level (0) and highest (1; else -1), and how far these are off.
 
     That is how far they lie from their neighbours, rms over these runs.
@@ -135,7 +134,7 @@ def _ends(loops: Loops) -> Mapping[str, tuple[npt.NDArray[np.intp], float]]:
     return dict(_ends_of(loops))
 
 
-def _ends_of(loops: Loops) -> Iterator[tuple[str, tuple[npt.NDArray[np.intp], float]]]:
+def _ends_of(loops: Loops) -> Iterator[tuple[str, tuple[IntArray, float]]]:
     main = {"A": np.log(loops.amplitude_mm), "f": np.log(loops.frequency_Hz)}
     others = {"T": loops.temperature_K, "rho": loops.density_g_cm3, **loops.conditions}
     for name, values in {**main, **others}.items():
@@ -143,7 +142,7 @@ def _ends_of(loops: Loops) -> Iterator[tuple[str, tuple[npt.NDArray[np.intp], fl
             continue
         near = np.exp(values) if name in main else values
         absolute = {"absolute": SAME_KELVIN} if name == "T" else {"relative": SAME_SHARE}
-        levels: list[Rows] = [level.rows for level in number_levels(near, **absolute)]
+        levels: list[IntArray] = [level.rows for level in number_levels(near, **absolute)]
         if len(levels) < FEWEST_LEVELS:
             continue
         middles = [float(np.mean(values[rows])) for rows in levels]

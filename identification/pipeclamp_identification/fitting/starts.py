@@ -127,9 +127,7 @@ def combined(choices: Sequence[Sequence[Values]]) -> list[dict[str, float]]:
     return [_together(parts) for parts in itertools.product(*choices)]
 
 
-def most_promising(
-    choices: Sequence[Sequence[Values]], cost: Callable[[Values], float], most: int = MOST_STARTS
-) -> list[dict[str, float]]:
+def most_promising(choices: Sequence[Sequence[Values]], cost: Callable[[Values], float]) -> list[dict[str, float]]:
     """Give combinations of effects' starts, all where they are few, else those that promise most.
 
     Effect by effect the starts are ranked beside the best ones of the effects before and the first ones of those after.
@@ -138,9 +136,8 @@ def most_promising(
     Args:
         choices: the starts of each effect.
         cost: what a start promises, the less the better.
-        most: combinations at most.
     """
-    if math.prod(map(len, choices)) <= most:
+    if math.prod(map(len, choices)) <= MOST_STARTS:
         return combined(choices)
     ranked = [list(starts) for starts in choices]
     for place, starts in enumerate(choices):
@@ -149,9 +146,9 @@ def most_promising(
             costs = [cost(_together([*others[:place], start, *others[place + 1 :]])) for start in starts]
             order = sorted(range(len(starts)), key=lambda index: costs[index])
             ranked[place] = [starts[index] for index in order]
-    kept = [starts[:most] for starts in ranked]
+    kept = [starts[:MOST_STARTS] for starts in ranked]
     ranks = itertools.product(*(range(len(starts)) for starts in kept))
-    first = heapq.nsmallest(most, ranks, key=lambda places: (sum(places), places))
+    first = heapq.nsmallest(MOST_STARTS, ranks, key=lambda places: (sum(places), places))
     return [_together([starts[index] for starts, index in zip(kept, places, strict=True)]) for places in first]
 
 

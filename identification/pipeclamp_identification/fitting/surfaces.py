@@ -9,12 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.fitting.observations import loop_motion
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.signals.levels import varies
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.law.outline import ParameterOutline
@@ -114,7 +113,7 @@ def _surface(
     }
     varied = [parameter for parameter in exponents if varies(parameter.follows[0], slow[parameter.follows[0]])]
     values = {parameter.name: 0.0 for parameter in exponents}
-    positive: npt.NDArray[np.bool_] = coefficient > 0
+    positive: BoolArray = coefficient > 0
     if np.count_nonzero(positive) <= max(len(varied), len(coefficient) // 2):
         return {reference.name: float(np.median(coefficient)), **values}
     plane = np.column_stack([np.ones(len(coefficient)), *(ratios[parameter.name] for parameter in varied)])

@@ -12,7 +12,7 @@ from pipeclamp_identification.campaign.judging import Judged
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.importing.looked_at import LookedAt
 from pipeclamp_identification.importing.plan import Plan
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 
 
 class ImportedRunAnswer(AnswerModel):
@@ -120,7 +120,7 @@ class Found:
                 )
                 for one in self.imported.cut
             ),
-            left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in self.judged.left_out),
+            left_out=left_out_runs(self.judged.left_out),
             left_out_files=self.imported.left_out,
             pattern=self.plan.pattern,
             notes=self.notes(),

@@ -37,6 +37,7 @@ from pipeclamp_identification.importing.unusable import (
 )
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.said import counted
 
 STEADY_TEMPERATURE = 5.0
 """K by which a temperature may move within a run before that is said."""
@@ -332,9 +333,8 @@ class _Planner:
             reasons = "\n".join(
                 f"  {one.file}, {one.samples[0]} to {one.samples[1]}: {one.why}" for one in self.cut[:10]
             )
-            many = "s" if len(self.files) > 1 else ""
             raise UserError(
-                f"no run can be used, in {len(self.files)} file{many}; expected loops of force and displacement\n"
+                f"no run can be used, in {counted(len(self.files), 'file')}; expected loops of force and displacement\n"
                 + "\n".join([reasons, *(f"  {note}" for note in self.notes)])
             )
         if self.runs and len(self.reversed) == len(self.runs):

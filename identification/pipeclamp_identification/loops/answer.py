@@ -14,7 +14,7 @@ from pipeclamp_identification.loops.decomposition import Decomposition, PowerSer
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_identification.loops.metrics import Metrics, metrics_of, scatter_of
 from pipeclamp_identification.loops.one_condition import Variation, variations_of
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, known, known_numbers
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, known, known_numbers, left_out_runs
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -187,7 +187,7 @@ def metrics_answer(campaign: Campaign, loops: Loops) -> MetricsAnswer:
         campaign=campaign.name,
         fingerprint=campaign.fingerprint,
         runs=tuple(runs),
-        left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in campaign.left_out),
+        left_out=left_out_runs(campaign.left_out),
         sensors=campaign.faults,
         studies=tuple(_study(study, loops, metrics) for study in variations_of(campaign, loops)),
         noise_nrmse=known(loops.noise_nrmse) if any(loops.shows_scatter) else None,

@@ -105,12 +105,11 @@ class Loops:
         return float(means / np.sum(self.samples * self.force_rms_N**2))
 
 
-def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
+def loops_of(campaign: Campaign) -> Loops:
     """Turn a campaign's records into loops.
 
     Args:
         campaign: as `read_campaign` returns it.
-        harmonics: H, the highest harmonic to keep.
 
     Returns:
         One row per usable run, in the campaign's order.
@@ -120,7 +119,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
 
     def rows(drift_by_chance: float) -> list[Loop]:
         def row(run: Run) -> Loop:
-            return loop_of(run, campaign.condition_columns, harmonics, average, drift_by_chance)
+            return loop_of(run, campaign.condition_columns, HARMONICS, average, drift_by_chance)
 
         return in_threads(row, campaign.runs, size)
 

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from statistics import median
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.signals.between_cycles import between_cycles
 from pipeclamp_identification.signals.harmonics import unit_phasor
-from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
+from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray, IntArray
 
 NOISE_FREEDOMS = 4.0
 """The weight, in degrees of freedom, of the noise level as a first estimate of each harmonic's own scatter: keeps five
@@ -88,7 +87,7 @@ def phase_bin(phase: Array) -> IntArray:
     return np.asarray(place % PHASE_BINS)
 
 
-def off_neighbours(at: Array, residual: Array) -> tuple[Array, npt.NDArray[np.bool_]]:
+def off_neighbours(at: Array, residual: Array) -> tuple[Array, BoolArray]:
     """Return what each sample but the first and last differs by from the line through its two neighbours.
 
     Its mean square is the noise variance, where the residual is smooth but for noise; see `noise_by_phase`.

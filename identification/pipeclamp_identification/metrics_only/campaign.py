@@ -214,14 +214,11 @@ def _same(one: MetricRun, other: MetricRun) -> bool:
     return replace(one, name=other.name) == other
 
 
-def metric_observations(
-    campaign: MetricCampaign, scatter: float = SCATTER, samples: int = SAMPLES
-) -> MetricObservations:
+def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES) -> MetricObservations:
     """Give a campaign's metrics as observations.
 
     Args:
         campaign: R runs.
-        scatter: share by which dW and W scatter, rounding aside.
         samples: points of the cycle at which laws are evaluated.
 
     Raises:
@@ -247,6 +244,6 @@ def metric_observations(
         replace(motion, slow=slow, assumed=assumed_signals(T)),
         np.array([run.dissipated_energy_J for run in runs]),
         np.array([run.max_elastic_energy_J for run in runs]),
-        np.hypot(scatter, rounding),
+        np.hypot(SCATTER, rounding),
         rounding,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from pipeclamp_identification.metrics_only.law import MetricComparison, rms
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 
 MEASURE = "rms of log(measured/computed) of dW and W: the campaign has no records"
 
@@ -60,5 +60,5 @@ def metric_comparison_answer(comparison: MetricComparison) -> MetricComparisonAn
             )
             for run, logs in runs
         ),
-        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in comparison.campaign.left_out),
+        left_out=left_out_runs(comparison.campaign.left_out),
     )

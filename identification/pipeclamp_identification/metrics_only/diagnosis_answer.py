@@ -14,7 +14,7 @@ from pipeclamp_identification.metrics_only.evidence import MetricJudged
 from pipeclamp_identification.metrics_only.law import rms
 from pipeclamp_identification.metrics_only.next_test import MetricProposal
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 from pipeclamp_models.law.file import Kind, Verdict
 
 
@@ -124,7 +124,7 @@ def metric_diagnosis_answer(
         no_next_test=found.no_test or None,
         left_over=(),
         reasons=tuple(found.words()),
-        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.campaign.left_out),
+        left_out=left_out_runs(found.campaign.left_out),
         ladder=ladder,
         next_command=next_command,
     )

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import objections, reservations
@@ -21,7 +20,7 @@ from pipeclamp_identification.metrics_only.observations import METRICS, MetricOb
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.signals.orthonormal import orthonormal
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_law
@@ -188,7 +187,7 @@ def heldout_squares(structure: Structure, observations: MetricObservations, star
 
 
 @dataclass
-class LeftOut:
+class LeftOutErrors:
     """Errors of laws on left-out conditions, each law's once.
 
     Attributes:
@@ -223,7 +222,7 @@ def fewest_numbers(observations: MetricObservations) -> int:
     return len(METRICS) * min(len(used) for used, _ in folds(distinct_conditions(observations), MOST_FOLDS))
 
 
-def distinct_conditions(observations: MetricObservations) -> npt.NDArray[np.intp]:
+def distinct_conditions(observations: MetricObservations) -> IntArray:
     """Number the distinct conditions, shape (R,)."""
     columns = np.nan_to_num(np.hstack(list(observations.motion.slow.values())))
     return np.unique(columns, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
@@ -276,7 +275,7 @@ def single_rows(larger: Fit, without: Structure, observations: MetricObservation
     """
     structure, values = larger.law.structure, larger.law.values
 
-    def fits(rows: npt.NDArray[np.intp]) -> tuple[Fit, Fit]:
+    def fits(rows: IntArray) -> tuple[Fit, Fit]:
         part = observations.rows(rows)
         return (
             fit(without, part, start=values, tolerance=CLOSELY),

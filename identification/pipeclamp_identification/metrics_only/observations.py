@@ -8,8 +8,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.fitting.observations import Rows
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce, known_jacobian
 from pipeclamp_models.realise.motion import Motion
 
@@ -38,7 +37,7 @@ class MetricObservations:
         """Logs of energies aren't."""
         return False
 
-    def rows(self, chosen: Rows) -> Self:
+    def rows(self, chosen: IntArray) -> Self:
         """Give the observations of some of the loops."""
         return replace(
             self,
@@ -77,7 +76,7 @@ class MetricObservations:
         """Give the logs of measured over computed dW and W, over the relative error; shape (R, 2)."""
         return np.asarray(self.logs(law_force.force) / self.relative_error)
 
-    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def residual_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
         return np.asarray(-metric_slopes(self.motion, law_force, parameters) / self.relative_error)
 
@@ -105,7 +104,7 @@ class MetricShares(MetricObservations):
         measured = np.stack([self.dissipated_energy, self.elastic_energy], axis=1)
         return np.asarray((measured - computed) / self._units)
 
-    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+    def residual_slopes(self, law_force: LawForce, parameters: IntArray) -> Array:
         """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
         return np.asarray(-energy_slopes(self.motion, law_force, parameters) / self._units)
 
@@ -115,7 +114,7 @@ class MetricShares(MetricObservations):
         return np.asarray(whole * self.relative_error)
 
 
-def metric_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Array:
+def metric_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
     """Give the derivatives of log dW and log W by some of the parameters, shape (P, R, 2).
 
     Where a law makes energy instead of dissipating it, nan.
@@ -124,7 +123,7 @@ def metric_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Arra
     return np.asarray(energy_slopes(motion, law_force, parameters) / np.where(energies > 0, energies, np.nan))
 
 
-def energy_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Array:
+def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
     """Give the derivatives of dW and W in J by some of the parameters, shape (P, R, 2)."""
     force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
     rows = np.arange(len(force))

@@ -2,54 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
-from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
+from pipeclamp_identification.metrics_only.candidates import by_score, candidates_of, unlike
 from pipeclamp_identification.metrics_only.evidence import (
-    EXPECTED_FREEDOMS,
-    LeftOut,
+    LeftOutErrors,
     MetricJudged,
     Scatter,
     chance,
     chance_of_lack,
     judge_metrics,
-    judged_fit,
     scatter_of,
     single_rows,
 )
 from pipeclamp_identification.metrics_only.observations import MetricObservations
-from pipeclamp_identification.metrics_only.pairs import pairs
-from pipeclamp_identification.metrics_only.screen import Look, look
+from pipeclamp_identification.metrics_only.screen import Look
 from pipeclamp_identification.metrics_only.thresholds import (
-    FEWEST_FREEDOMS,
     HOPELESS_CHANCE,
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
-from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
-from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, outdoes_in_fit, weigh
+from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.file import Kind, Verdict
-from pipeclamp_models.law.law import Structure, with_effect
+from pipeclamp_models.law.law import Structure
 
-ON_THE_WAY = 4
-"""Of the effects that promise most, so many that don't imitate each other are fitted for each further step to the
-richest law."""
-LONGEST = 3
-"""Effects that are added on the way to the richest law, at most."""
 COARSE_SAMPLES = 64
 """Points of the cycle while effects are sought and valleys compared: what they miss of an extreme, 0.2 % at most, is
 much the same in all rows. What is then judged is fitted again on all points."""
-
 IMITATED = "at these conditions the law's own parameters do all that it would do to dW and W"
 
 
@@ -150,7 +138,7 @@ class MetricDiagnosis:
     @property
     def shown(self) -> tuple[MetricJudged, ...]:
         """The candidates and the pairs, best first."""
-        return tuple(sorted((*self.candidates, *self.pairs), key=_score))
+        return tuple(sorted((*self.candidates, *self.pairs), key=by_score))
 
     @property
     def best(self) -> MetricJudged:
@@ -172,43 +160,20 @@ def diagnose_metrics(
         UserError: there are too few metrics for the law's parameters.
     """
     tell = progress or (lambda _: None)
-    observations = metric_observations(campaign, samples=COARSE_SAMPLES)
-    smooth = _smooth(campaign, observations)
-    lacks = partial(_lacks, observations=observations, smooth=smooth)
-    tell("law as it is")
-    law = judged_fit((), fit_to_metrics(structure, observations, {}, CLOSELY), observations)
-    refinements = [effect.refinement for effect in structure.all_effects() if effect.refinement]
-    unseen = {refinement.name for refinement in refinements if not refinement.seen_in_metrics}
-    known = candidate_names(structure, campaign.condition_columns, time_measured=campaign.time_measured)
-    names = [name for name in known if name not in unseen]
-    looks = _looks(law, names, observations, tell)
-    seen = [entry for entry in looks if not entry.hidden]
-    thoroughly = lacks(law)
-    fitted = [_with(law, entry, observations, tell, thoroughly=thoroughly) for entry in seen]
-    alone = min((judged for judged in fitted if judged.may_be_cause), key=_score, default=law)
-    together = pairs(law, fitted, campaign, observations, tell) if lacks(alone) else []
-    law = _from_another_valley(law, [*fitted, *together], observations) if thoroughly else law
-    richest = _richest(law, fitted, together, names, observations, lacks, tell)
-    scatter = scatter_of(richest, observations, SCATTER)
+    coarse = metric_observations(campaign, samples=COARSE_SAMPLES)
+    smooth = _smooth(campaign, coarse)
+    fitted = candidates_of(structure, campaign, coarse, smooth, tell)
+    scatter = scatter_of(fitted.richest, coarse, SCATTER)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
     again = partial(_again, observations=observations)
-    law, richest = again(law), again(richest)
-    candidates, together = (sorted(map(again, judged), key=_score) for judged in (fitted, together))
-    apart = {entry.name for entry in seen if not entry.imitated}
-    sound = (judged for judged in candidates if judged.effects[0] in apart and judged.may_be_cause)
-    tried = max(len(_unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1)
-    chances = {
-        judged.name: min(1.0, count * chance(law, judged, scatter))
-        for several, count in ((candidates, tried), (together, tried + len(together)))
-        for judged in several
-    }
-    beside = {name for judged in together for name in judged.effects}  # they were tried with what they scale
-    hidden = {entry.name: entry.hidden for entry in looks if entry.hidden and entry.name not in beside}
-    hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
+    law, richest = again(fitted.law), again(fitted.richest)
+    alone, together = (sorted(map(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
+    chances = _chances(law, alone, together, fitted.looks, scatter)
+    hidden = _hidden(fitted.looks, together, chances)
     lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
-    heldout = LeftOut(observations, tell)
-    scales = MetricScales(law, richest, candidates, together, chances, lack, scatter, heldout.of_conditions)
+    heldout = LeftOutErrors(observations, tell)
+    scales = MetricScales(law, richest, alone, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)
     rests_on: tuple[int, ...] = ()
     tested_once: tuple[str, ...] = ()
@@ -218,51 +183,43 @@ def diagnose_metrics(
         rests_on = single_rows(named.result, structure, observations)
         tested_once = _tested_once(named, observations)
     shown = [
-        judged for place, judged in enumerate(candidates)
+        judged for place, judged in enumerate(alone)
         if place == 0 or (chances[judged.name] < HOPELESS_CHANCE and judged.name not in hidden)
     ]  # fmt: skip
     of_two = [judged for judged in found.laws if judged.effects[1:]] or [
         judged for judged in together if not judged.objections and chances[judged.name] < HOPELESS_CHANCE
     ][:1]
-    screened_out = tuple(judged.name for judged in candidates if judged not in shown)
+    screened_out = tuple(judged.name for judged in alone if judged not in shown)
     errors = {judged.name: heldout.error(judged) for judged in (law, *shown, *of_two)}
     return MetricDiagnosis(
         found, scales, tuple(shown), tuple(of_two), screened_out, hidden, observations, errors, rests_on, tested_once
     )
 
 
-def _score(judged: MetricJudged) -> float:
-    return judged.score
+def _chances(
+    law: MetricJudged,
+    alone: Sequence[MetricJudged],
+    together: Sequence[MetricJudged],
+    looks: Sequence[Look],
+    scatter: Scatter,
+) -> dict[str, float]:
+    """Give the chance that scatter alone makes what a candidate or pair gains, once for each that was tried."""
+    imitated = {entry.name for entry in looks if entry.imitated}
+    sound = (judged for judged in alone if judged.effects[0] not in imitated and judged.may_be_cause)
+    tried = max(len(unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1)
+    return {
+        judged.name: min(1.0, count * chance(law, judged, scatter))
+        for several, count in ((alone, tried), (together, tried + len(together)))
+        for judged in several
+    }
 
 
-def _lacks(judged: MetricJudged, observations: MetricObservations, smooth: Array) -> bool:
-    """Tell whether a law leaves more than the scatter that was expected."""
-    return chance_of_lack(judged, observations, smooth, SCATTER) < REAL_CHANCE
-
-
-def _from_another_valley(
-    law: MetricJudged, judged: Sequence[MetricJudged], observations: MetricObservations
-) -> MetricJudged:
-    """Give the law as it is, fitted from where candidates ended that do best: they may have left a poor valley."""
-    best = sorted(judged, key=lambda one: one.squares)[:ON_THE_WAY]
-    starts = [law.result.law.values, *(law.structure.own(one.result.law.values) for one in best)]
-    return judged_fit((), fit_from_each(law.structure, observations, starts, CLOSELY), observations)
-
-
-def _unlike(effects: Iterable[Effect]) -> list[str]:
-    """Give the names of effects, in order, that imitate none before: what makes one gain makes its imitators gain."""
-    chosen: list[Effect] = []
-    for effect in effects:
-        if not any(effect.id in other.imitated_by or other.id in effect.imitated_by for other in chosen):
-            chosen.append(effect)
-    return [effect.name for effect in chosen]
-
-
-def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array:
-    """Give the functions of the conditions that count as smooth, shape (R, q)."""
-    columns = {name: values[:, 0] for name, values in observations.motion.slow.items()}
-    A, f, T = (columns.pop(name) for name in ("A", "f", "T"))
-    return smooth_functions(A, f, T, list(columns.values()), [run.specimen for run in campaign.runs])
+def _hidden(looks: Sequence[Look], together: Sequence[MetricJudged], chances: Mapping[str, float]) -> dict[str, str]:
+    """Give the effects that metrics can't show, with the reason."""
+    beside = {name for judged in together for name in judged.effects}  # they were tried with what they scale
+    unseen = {entry.name: entry.hidden for entry in looks if entry.hidden and entry.name not in beside}
+    imitated = (entry.name for entry in looks if entry.imitated and not entry.hidden)
+    return unseen | {name: IMITATED for name in imitated if chances[name] > REAL_CHANCE}
 
 
 def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tuple[str, ...]:
@@ -277,68 +234,13 @@ def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tupl
     return tuple(found)
 
 
-def _looks(law: MetricJudged, names: Sequence[str], observations: MetricObservations, tell: Progress) -> list[Look]:
-    looks = []
-    for name in names:
-        tell(f"look at {name}")
-        looks.append(look(law, name, observations))
-    return looks
-
-
-def _with(
-    law: MetricJudged, entry: Look, observations: MetricObservations, tell: Progress, *, thoroughly: bool
-) -> MetricJudged:
-    effects = (*law.effects, entry.name)
-    tell(f"fit {' + '.join(effects)}")
-    larger, start = with_effect(law.structure, entry.name), law.result.law.values
-    # Not from the look's start alone: what one step promises doesn't tell which valley is deepest.
-    if thoroughly:
-        return judged_fit(effects, fit_to_metrics(larger, observations, start, ROUGHLY), observations)
-    return judge_metrics(effects, larger, start, observations, ROUGHLY)
-
-
 def _again(judged: MetricJudged, observations: MetricObservations) -> MetricJudged:
     """Refit a law to the metrics as they are weighted now."""
     return judge_metrics(judged.effects, judged.structure, judged.result.law.values, observations)
 
 
-def _richest(
-    law: MetricJudged,
-    fitted: Sequence[MetricJudged],
-    together: Sequence[MetricJudged],
-    names: Sequence[str],
-    observations: MetricObservations,
-    lacks: Callable[[MetricJudged], bool],
-    tell: Progress,
-) -> MetricJudged:
-    """Add what the metrics support, one effect after the other, for the scatter to be told from what is left.
-
-    Where what may be the cause leaves more than scatter, also what may take a part only. Two that come together are
-    added where they take half, or more, of what the best one alone would leave.
-    """
-    expected = Scatter(np.full(2, SCATTER), np.full(2, EXPECTED_FREEDOMS))
-    richest = law
-    while len(richest.effects) < LONGEST:
-        supported = partial(_supported, richest=richest, expected=expected)
-        usable = list(filter(supported, fitted))
-        sound = [judged for judged in usable if judged.may_be_cause]
-        able = sound or (usable if lacks(richest) else [])
-        best = min(able, key=_score, default=richest)
-        outdoing = [judged for judged in filter(supported, together) if outdoes_in_fit(judged, best)]
-        best = min(outdoing, key=_score, default=best)
-        if best is richest:
-            break
-        richest, together = best, ()
-        left = [name for name in names if name not in richest.effects]
-        seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
-        seen.sort(key=lambda entry: -entry.promise)
-        unlike = _unlike([richest.structure.effect(entry.name) for entry in seen])
-        chosen = [entry for entry in seen if entry.name in unlike][:ON_THE_WAY]
-        fitted = [_with(richest, entry, observations, tell, thoroughly=False) for entry in chosen]
-    return richest
-
-
-def _supported(judged: MetricJudged, richest: MetricJudged, expected: Scatter) -> bool:
-    """Tell whether metrics support a law beyond the richest one so far."""
-    enough = not judged.objections and judged.freedoms >= FEWEST_FREEDOMS
-    return enough and chance(richest, judged, expected) <= REAL_CHANCE
+def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array:
+    """Give the functions of the conditions that count as smooth, shape (R, q)."""
+    columns = {name: values[:, 0] for name, values in observations.motion.slow.items()}
+    A, f, T = (columns.pop(name) for name in ("A", "f", "T"))
+    return smooth_functions(A, f, T, list(columns.values()), [run.specimen for run in campaign.runs])

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeclamp_identification.on_pipe.answer import BandsOnPipeAnswer
 from pipeclamp_identification.on_pipe.measurement import read_description
 from pipeclamp_identification.on_pipe.prediction import Group
 from pipeclamp_identification.on_pipe.sines import PipeComparison, scatter_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.bands.band import steps_of
 from pipeclamp_system.bands.described import refuse_unknown, unknown_of
@@ -40,7 +39,7 @@ class PipeBands:
     gaps: tuple[str, ...]
 
     @property
-    def outside(self) -> NDArray[np.bool_]:
+    def outside(self) -> BoolArray:
         """Which measured amplitudes lie outside their band, (P, probes)."""
         measured = np.abs(self.comparison.measurement.steady.response)
         return np.asarray(self.comparison.compared & ((measured < self.low) | (measured > self.high)))

@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import hilbert
 
-from pipeclamp_models.base.arrays import Array
-
-Complex = NDArray[np.complex128]
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 
 @dataclass(frozen=True)
@@ -22,7 +19,7 @@ class Channel:
     phase: float = 0.0
     delay: float = 0.0
 
-    def factor(self, frequency: Array) -> Complex:
+    def factor(self, frequency: Array) -> ComplexArray:
         """Give recorded over true phasors at frequencies, Hz, (P,)."""
         return np.asarray(self.gain * np.exp(1j * (self.phase - 2 * np.pi * frequency * self.delay)))
 
@@ -67,7 +64,9 @@ class Instrument:
         """
         return (self.frequency**2 if frequency_squared else 1.0) / self.excitation.gain
 
-    def recorded(self, probes: Sequence[str], response: Complex, frequency: Array, frequency_squared: bool) -> Complex:
+    def recorded(
+        self, probes: Sequence[str], response: ComplexArray, frequency: Array, frequency_squared: bool
+    ) -> ComplexArray:
         """Turn true responses over the excitation, (P, probes), into what is recorded over the recorded excitation.
 
         Args:

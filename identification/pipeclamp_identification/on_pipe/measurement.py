@@ -7,20 +7,16 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.base.toml_file import Celsius, Name, NotNegative, Table, read_table
 from pipeclamp_system.description.measured_table import DRIVES, Drive, ascending_time, csv_frame, drive_column, numbers
-
-Complex = NDArray[np.complex128]
-Rows = NDArray[np.intp]
 
 FILE_NAME = "measurement.toml"
 
@@ -144,10 +140,10 @@ class SteadyMeasurement:
     level: Array
     drive_unit: Drive
     temperature: Array
-    sweep: Rows
+    sweep: IntArray
     source: tuple[str, ...]
-    response: Complex
-    phased: NDArray[np.bool_]
+    response: ComplexArray
+    phased: BoolArray
     scatter: Array
 
     @property
@@ -172,8 +168,8 @@ class _Rows:
     frequency: Array
     level: Array
     drive_unit: Drive
-    response: Complex
-    phased: NDArray[np.bool_]
+    response: ComplexArray
+    phased: BoolArray
     scatter: Array
 
 
@@ -253,7 +249,7 @@ def _response_rows(path: Path, entry: MeasuredResponseTable, description: Measur
     return _Rows(frequency, level, unit, response, np.broadcast_to(phased, shape), np.full(shape, np.nan))
 
 
-def _probe_columns(frame: pl.DataFrame, probe: ProbeTable, path: Path) -> tuple[Complex, bool]:
+def _probe_columns(frame: pl.DataFrame, probe: ProbeTable, path: Path) -> tuple[ComplexArray, bool]:
     """Give a probe's values and whether their phase is known; blank cells are nan."""
     amplitude, phase = f"{probe.name}_amplitude", f"{probe.name}_phase_deg"
     real, imaginary = f"{probe.name}_real", f"{probe.name}_imag"

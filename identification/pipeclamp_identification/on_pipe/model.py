@@ -7,9 +7,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pipeclamp_identification.on_pipe.instrument import Instrument
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription
 from pipeclamp_models.base.errors import UserError
@@ -20,9 +17,6 @@ from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import steady_clamps
-
-Complex = NDArray[np.complex128]
-Rows = NDArray[np.intp]
 
 SAMPLES = 128
 """Of a cycle, at which the clamps' laws are evaluated; 256 change a response by less than 0.1 %."""

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement, SteadyMeasurement
-from pipeclamp_identification.on_pipe.model import Complex, CoupledModel, Rows
+from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_identification.signals.levels import number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.continuation import Solution
@@ -44,7 +44,7 @@ class Group:
     """
 
     temperature: float | None
-    rows: Rows
+    rows: IntArray
     harmonics: int
     solved: Balanced
 
@@ -60,13 +60,13 @@ class Prediction:
         branches: how many stable states there are, (P,); 1 unless it was looked for.
     """
 
-    response: Complex
-    clamps: Complex
+    response: ComplexArray
+    clamps: ComplexArray
     groups: tuple[Group, ...]
-    branches: Rows
+    branches: IntArray
 
 
-def temperatures(measured: SteadyMeasurement) -> Iterator[tuple[float | None, Rows]]:
+def temperatures(measured: SteadyMeasurement) -> Iterator[tuple[float | None, IntArray]]:
     """Give each temperature of the clamps, None for the system's own, and the sines at it."""
     own = np.isnan(measured.temperature)
     if own.any():
@@ -109,7 +109,9 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     return Prediction(response, clamps, tuple(groups), branches)
 
 
-def true_operation(model: CoupledModel, measurement: PipeMeasurement, rows: Rows | slice = slice(None)) -> Operation:
+def true_operation(
+    model: CoupledModel, measurement: PipeMeasurement, rows: IntArray | slice = slice(None)
+) -> Operation:
     """Give the sines that a model's measuring chain takes the stated ones for, some of its rows."""
     measured = measurement.steady
     drive = model.instrument.true_drive(from_displacement(measured)) * measured.drive[rows]
@@ -121,14 +123,18 @@ def from_displacement(measured: SteadyMeasurement) -> bool:
     return measured.drive_unit == "displacement_mm"
 
 
-def as_recorded(moved: Complex, frequency: Array, measurement: PipeMeasurement, model: CoupledModel) -> Complex:
+def as_recorded(
+    moved: ComplexArray, frequency: Array, measurement: PipeMeasurement, model: CoupledModel
+) -> ComplexArray:
     """Turn displacements relative to the base over the excitation into what is recorded of the probes, (P, probes)."""
     seen = as_measured(moved, frequency, measurement, model.pipe)
     names = [probe.name for probe in model.pipe.probes]
     return model.instrument.recorded(names, seen, frequency, from_displacement(measurement.steady))
 
 
-def as_measured(moved: Complex, frequency: Array, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:
+def as_measured(
+    moved: ComplexArray, frequency: Array, measurement: PipeMeasurement, pipe: PipeDescription
+) -> ComplexArray:
     """Turn displacements relative to the base over the excitation into what the probes measure, (P, probes)."""
     turn = 2j * np.pi * frequency
     columns = []
@@ -147,7 +153,7 @@ class _Begin(NamedTuple):
     """
 
     temperature: float | None
-    rows: Rows
+    rows: IntArray
     harmonics: int
     unknowns: Array
     slopes: Array | None
@@ -157,7 +163,7 @@ def _from_near(group: Group) -> _Begin:
     return _Begin(group.temperature, group.rows, group.harmonics, group.solved.unknowns, group.solved.slopes)
 
 
-def _begun(model: CoupledModel, measurement: PipeMeasurement) -> tuple[list[_Begin], Rows]:
+def _begun(model: CoupledModel, measurement: PipeMeasurement) -> tuple[list[_Begin], IntArray]:
     """Give from where groups of sines begin, and how many stable states each sine has."""
     groups, branches = list[_Begin](), np.ones(measurement.steady.response.shape[0], dtype=np.intp)
     for temperature, rows in temperatures(measurement.steady):
@@ -186,8 +192,8 @@ def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
 
 
 def _first_states(
-    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows
-) -> tuple[list[SteadyState | None], Rows]:
+    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: IntArray
+) -> tuple[list[SteadyState | None], IntArray]:
     """Give the steady states at some sines, stable ones where there are any, and how many of those each has.
 
     The response is followed from both ends: where it bends, each meets branches that the other doesn't. So are the
@@ -257,7 +263,7 @@ def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balance
     return Balanced(unknowns, slopes, found, solved.responses)
 
 
-def _seen(probes: Complex, row: int, measurement: PipeMeasurement, model: CoupledModel) -> Complex:
+def _seen(probes: ComplexArray, row: int, measurement: PipeMeasurement, model: CoupledModel) -> ComplexArray:
     """Give what is recorded of the probes' displacements in mm at one sine, (probes,)."""
     measured = measurement.steady
     true = true_operation(model, measurement, slice(row, row + 1))

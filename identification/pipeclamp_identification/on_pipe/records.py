@@ -18,6 +18,7 @@ from pipeclamp_identification.on_pipe.record_files import MotionRecord, read_mot
 from pipeclamp_identification.on_pipe.record_motion import Conditions, RecordPrediction, steps_between
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.said import counted
 from pipeclamp_system.description.system import SystemDescription
 
 BANDS = 8
@@ -209,8 +210,8 @@ def records_words(comparison: RecordsComparison) -> list[str]:
     """Say how much the model errs on records, and where."""
     count, probes = len(comparison.pairs), comparison.scales.size
     words = [
-        f"The coupled model errs by {comparison.nrmse:.2%} of the rms of what was measured, over {count} "
-        f"record{'s' if count > 1 else ''} and {probes} probe{'s' if probes > 1 else ''}, started at rest.",
+        f"The coupled model errs by {comparison.nrmse:.2%} of the rms of what was measured, over "
+        f"{counted(count, 'record')} and {counted(probes, 'probe')}, started at rest.",
         region_sentence(comparison.region(), comparison.breakdowns()[0], "model"),
     ]
     for pair in comparison.pairs:

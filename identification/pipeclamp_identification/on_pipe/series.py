@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeclamp_identification.on_pipe.measurement import SWEEPS, SteadyMeasurement
 from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, temperatures
 from pipeclamp_identification.signals.levels import number_levels
+from pipeclamp_models.base.arrays import IntArray
 from pipeclamp_system.description.measured_table import DRIVES
-
-Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +18,7 @@ class Series:
     """Sines of one level, temperature and sweep, by rising frequency."""
 
     label: str
-    rows: Rows
+    rows: IntArray
 
 
 def series_of(steady: SteadyMeasurement) -> list[Series]:

@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, Part
 from pipeclamp_identification.comparison.concentration import Factor, Region, condition_factors, densest, is_scatter
@@ -23,15 +22,12 @@ from pipeclamp_identification.on_pipe.prediction import (
     true_operation,
 )
 from pipeclamp_identification.signals.levels import name_levels, number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_system.description.measured_table import DRIVES
 from pipeclamp_system.description.system import SystemDescription
 from pipeclamp_system.steady.truncation import truncated_at
-
-Complex = NDArray[np.complex128]
-Rows = NDArray[np.intp]
 
 KINDS = ("amplitude", "phase")
 """The two parts of an error: along the measured phasor, and across it."""
@@ -63,7 +59,7 @@ class PipeComparison:
         return tuple(probe.name for probe in self.measurement.description.probes)
 
     @property
-    def compared(self) -> NDArray[np.bool_]:
+    def compared(self) -> BoolArray:
         """Where there is both a measured and a computed value, (P, probes)."""
         return np.isfinite(self.measurement.steady.response) & np.isfinite(self.prediction.response)
 
@@ -85,13 +81,13 @@ class PipeComparison:
         return found
 
     @cached_property
-    def measured(self) -> Complex:
+    def measured(self) -> ComplexArray:
         """What was measured, in SI; 0 where nothing is compared, (P, probes)."""
         steady = self.measurement.steady
         return np.where(self.compared, steady.response * steady.drive[:, None], 0.0)
 
     @cached_property
-    def error(self) -> Complex:
+    def error(self) -> ComplexArray:
         """Measured less computed, turned so that its real part is that of the amplitude, SI, (P, probes)."""
         steady = self.measurement.steady
         return np.where(
@@ -156,7 +152,7 @@ class PipeComparison:
             conditions.insert(2, Condition("temperature_C", "T", "°C", number_levels(stated, absolute=3.0)))
         return tuple(condition for condition in conditions if condition.varies)
 
-    def part(self, label: str, rows: Rows | slice, columns: Rows | slice = slice(None)) -> Part:
+    def part(self, label: str, rows: IntArray | slice, columns: IntArray | slice = slice(None)) -> Part:
         """Give the part of the error that some sines have at some probes."""
         scatter = self.squared_scatter[rows][:, columns]
         number = self.squared_error[rows].shape[0]
@@ -210,7 +206,7 @@ class PipeComparison:
             yield Factor("kind", f"in {kind}", everywhere, (parts % 2 == index).astype(np.float64))
 
 
-def turned_error(measurement: PipeMeasurement, computed: Complex) -> Complex:
+def turned_error(measurement: PipeMeasurement, computed: ComplexArray) -> ComplexArray:
     """Give measured less computed response, its real part along the measured one; without phase, that of amplitudes."""
     steady = measurement.steady
     size = np.abs(steady.response)

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeclamp_identification.comparison.concentration import is_scatter, region_sentence
 from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, temperatures
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.signals.levels import number_levels
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.said import counted
 from pipeclamp_system.description.measured_table import DRIVES
 from pipeclamp_system.steady.harmonics import DOUBTFUL
-
-Rows = NDArray[np.intp]
 
 PEAK_MOVED, PEAK_OFF = 0.005, 0.05
 """Shares by which a peak must be moved, or be too high, to be worth a sentence."""
@@ -62,7 +59,7 @@ def _peak_words(comparison: PipeComparison) -> Iterator[str]:
 
 
 def highest_peaks(
-    comparison: PipeComparison, rows: Rows, column: int
+    comparison: PipeComparison, rows: IntArray, column: int
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Give frequency (Hz) and height of the measured and of the computed peak; None where one lies at an end.
 
@@ -133,7 +130,7 @@ def _range_words(comparison: PipeComparison) -> Iterator[str]:
             )
 
 
-def beyond_laws(comparison: PipeComparison) -> NDArray[np.bool_]:
+def beyond_laws(comparison: PipeComparison) -> BoolArray:
     """Tell at which sines each clamp moves outside the amplitudes in which its law was identified, (P, clamps)."""
     moved = np.abs(comparison.prediction.clamps)
     low, high = np.array([_range_of(comparison, index) for index in range(moved.shape[1])]).reshape(-1, 2).T

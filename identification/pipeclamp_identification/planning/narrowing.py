@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
 from pipeclamp_identification.diagnosis.further_test.next_test import away_from
 from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, REPEATS, SINE
 from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_tests
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown as unknown_name
@@ -325,7 +324,7 @@ class _Search:
         """Give the conditions at which a clamp's law is used, by name."""
         return {**self._at[clamp], **self._state.beyond[clamp]}
 
-    def _own(self, law: VariedLaw) -> npt.NDArray[np.intp]:
+    def _own(self, law: VariedLaw) -> IntArray:
         """Give which quantities are a law's parameters, in the order of its names, and then its form's."""
         kind = self._unknown.of_kind("parameters")
         own = [
@@ -335,7 +334,7 @@ class _Search:
         ]
         return np.array([*own, *self._form(law)], dtype=np.intp)
 
-    def _form(self, law: VariedLaw) -> npt.NDArray[np.intp]:
+    def _form(self, law: VariedLaw) -> IntArray:
         """Give which quantities say how a law's form is off, clamp by clamp, in the order of `SHARES`."""
         order = list(SHARES)
         own = [

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, sensor_noise
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter, directions
@@ -19,7 +18,7 @@ from pipeclamp_identification.fitting.observations import harmonic_slopes, harmo
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial
 from pipeclamp_identification.planning.seen import lack_of, norms_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import listed
@@ -52,7 +51,7 @@ class Rival:
 
     name: str
     gram: Array
-    outside: npt.NDArray[np.intp]
+    outside: IntArray
     more: int
 
 
@@ -211,7 +210,7 @@ def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Sce
     )  # fmt: skip
 
 
-def _few(grid: Mapping[str, Array]) -> npt.NDArray[np.intp]:
+def _few(grid: Mapping[str, Array]) -> IntArray:
     """Give the conditions of a grid at some of its levels."""
     chosen = np.ones(len(grid["A"]), dtype=bool)
     for name, count in TRIED.items():

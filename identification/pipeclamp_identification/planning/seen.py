@@ -11,9 +11,8 @@ from scipy.special import ndtr
 
 from pipeclamp_identification.diagnosis.evidence import LOW_HARMONICS
 from pipeclamp_identification.diagnosis.thresholds import REAL_LACK_CHANCE
-from pipeclamp_identification.fitting.observations import Rows
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 P_VALUES = 4
 """Chances of which a diagnosis takes the least. The fourth, of stiffness and damping that follow one condition, is left
@@ -102,7 +101,7 @@ def lack_of(grid: Mapping[str, Array], runs: Array, covariance: Array, slopes: A
     )  # fmt: skip
 
 
-def _smooth(grid: Mapping[str, Array], tested: Rows, count: Rows) -> Array:
+def _smooth(grid: Mapping[str, Array], tested: IntArray, count: IntArray) -> Array:
     """Give the smooth functions of the tests' conditions, a row for each condition, shape (R, q)."""
     rows = np.repeat(tested, count)
     functions = smooth_functions(grid["A"][rows], grid["f"][rows], grid["T"][rows], (), [None] * len(rows))

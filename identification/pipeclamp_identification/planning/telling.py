@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import ndtr
 
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.planning.scene import Rival, Scene
 from pipeclamp_identification.planning.seen import Lack, lack_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 
 NAMED = 0.9
 """Of the effects of a size, that a plan is to name."""
@@ -67,7 +66,7 @@ class Power:
         return np.where(never, np.inf, high)
 
     @cached_property
-    def told(self) -> npt.NDArray[np.bool_]:
+    def told(self) -> BoolArray:
         """Tell which effects can be named at all: in a size that is no larger than the law's own force, shape (E,)."""
         return np.isfinite(self.sizes)
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array, IntArray
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -20,7 +19,7 @@ class HalfCycles:
     """
 
     degrees: Array
-    rising: npt.NDArray[np.bool_]
+    rising: BoolArray
 
 
 def half_cycles(y: Array, least: Array) -> HalfCycles:

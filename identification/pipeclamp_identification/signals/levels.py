@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 MOST = 10
 """More set points than this are shown as classes."""
@@ -31,8 +30,6 @@ by a few percent."""
 LEVELS_APART = 0.04
 """Values of a condition further apart than this share of its range are different levels."""
 
-Rows = npt.NDArray[np.intp]
-
 
 @dataclass(frozen=True)
 class Level:
@@ -48,7 +45,7 @@ class Level:
     label: str
     low: str
     high: str
-    rows: Rows
+    rows: IntArray
     known: bool = True
 
 
@@ -102,7 +99,7 @@ def group_names(labels: Sequence[str]) -> list[str]:
     return list(counts) if sum(count > 1 for count in counts.values()) > 1 else []
 
 
-def _unknown(rows: Rows) -> tuple[Level, ...]:
+def _unknown(rows: IntArray) -> tuple[Level, ...]:
     return (Level("not known", "", "", rows, known=False),) if len(rows) else ()
 
 

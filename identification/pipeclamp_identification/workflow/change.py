@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeclamp_identification.diagnosis.named import ON_BASE, parts_of
+from pipeclamp_identification.diagnosis.named import parts_of
 from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
@@ -14,26 +14,25 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import HistoryStep, Kind, LawFile, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
+from pipeclamp_models.law.step import LawStep
 
 STILL_AS_GOOD = 1.025
 """An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
-ADDED = "+ "
-"""Before an effect's name in a law's history, where it was added."""
 
 
 @dataclass(frozen=True)
-class Addition:
-    """What adding an effect did.
+class LawChange:
+    """A law refitted with something changed, and what that did.
 
     Attributes:
-        effect: what was changed: + or - and the effect's name, two names with an arrow, the base, or "a refit".
-        before, after: the law's file before, and the one with the effect.
+        step: what was changed.
+        before, after: the law's file before, and the one with the change.
         nrmse: error on the campaign before and after, as a share of the force.
         heldout: error on left-out groups of conditions before and after.
         noise_nrmse: the scatter that no law can explain; None where it isn't known.
     """
 
-    effect: str
+    step: LawStep
     before: LawFile
     after: LawFile
     nrmse: tuple[float, float]
@@ -53,7 +52,7 @@ def add_effect(
     start: Mapping[str, float] | None = None,
     instead: Collection[str] = (),
     progress: Progress = silent,
-) -> Addition:
+) -> LawChange:
     """Add an effect to a law and refit everything to tests.
 
     Args:
@@ -73,25 +72,25 @@ def add_effect(
     """
     old = structure_of(file).with_declared(declared)
     new = with_effect(replace(old, effects=tuple(name for name in old.effects if name not in instead)), effect)
-    step = f"{' and '.join(instead)} -> {effect}" if instead else f"{ADDED}{effect}"
+    step = LawStep(come=(effect,), gone=tuple(instead))
     return _changed(file, new, step, tests, command=command, date=date, kind=kind, start=start, progress=progress)
 
 
 def add_effects(
     file: LawFile, effects: Sequence[str], tests: Tests, *, start: Mapping[str, float] | None = None, **given: Any
-) -> list[Addition]:
+) -> list[LawChange]:
     """Add effects to a law one after the other, as `add_effect` does; give each step.
 
     The last one starts at `start`, which is of the law with all of them: one alone may do badly there.
     """
-    steps: list[Addition] = []
+    steps: list[LawChange] = []
     for place, effect in enumerate(effects, 1):
         begin = start if place == len(effects) else None
         steps.append(add_effect(steps[-1].after if steps else file, effect, tests, start=begin, **given))
     return steps
 
 
-def helps(steps: Sequence[Addition]) -> bool:
+def helps(steps: Sequence[LawChange]) -> bool:
     """Tell whether the last of these steps ends with a smaller error on left-out conditions than the first begins."""
     return steps[-1].heldout[1] < steps[0].heldout[0]
 
@@ -104,7 +103,7 @@ def remove_effect(
     command: str,
     date: str | None,
     progress: Progress = silent,
-) -> Addition:
+) -> LawChange:
     """Take an effect out of a law and refit the rest to tests; arguments as for `add_effect`.
 
     Raises:
@@ -114,10 +113,10 @@ def remove_effect(
     if effect not in old.effects:
         raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
     new = replace(old, effects=tuple(name for name in old.effects if name != effect))
-    return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
+    return _changed(file, new, LawStep(gone=(effect,)), tests, command=command, date=date, progress=progress)
 
 
-def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progress: Progress = silent) -> Addition:
+def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progress: Progress = silent) -> LawChange:
     """Fit a law as it is made to tests anew, as where others have joined; arguments as for `add_effect`.
 
     What is held stays held, and the law's history goes on.
@@ -125,18 +124,18 @@ def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progre
     Raises:
         UserError: the tests can't serve the law.
     """
-    return _changed(file, structure_of(file), "a refit", tests, command=command, date=date, progress=progress)
+    return _changed(file, structure_of(file), LawStep(), tests, command=command, date=date, progress=progress)
 
 
 def without_spares(
     file: LawFile, keep: str, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
-) -> list[Addition]:
+) -> list[LawChange]:
     """Take out, one after another, the effects that a law does as well without; give each step; see `add_effect`.
 
     Args:
         keep: the effect that was added last, which isn't asked.
     """
-    steps: list[Addition] = []
+    steps: list[LawChange] = []
     while (spare := tests.superfluous(file, keep, progress)) is not None:
         change = remove_effect(file, spare, tests, command=command, date=date, progress=progress)
         if not stays_as_good(change):
@@ -146,12 +145,12 @@ def without_spares(
     return steps
 
 
-def stays_as_good(change: Addition) -> bool:
+def stays_as_good(change: LawChange) -> bool:
     """Tell whether the error on left-out conditions rises by less than a material part, and that of all samples too."""
     return change.heldout[1] <= change.heldout[0] * STILL_AS_GOOD and fits_samples(change)
 
 
-def fits_samples(change: Addition) -> bool:
+def fits_samples(change: LawChange) -> bool:
     """Tell whether the error of all samples rises by less than a material part.
 
     Left-out conditions are foretold in the harmonics that loops keep. What a law does wrong beyond them, at a reversal,
@@ -160,26 +159,24 @@ def fits_samples(change: Addition) -> bool:
     return change.nrmse[1] <= change.nrmse[0] * STILL_AS_GOOD
 
 
-def as_well_without(change: Addition, keep: str) -> str:
+def as_well_without(change: LawChange, keep: str) -> str:
     """Say that an effect went, and for which one."""
-    return f"the law does as well without {change.effect.removeprefix('- ')}, now that it has {keep}"
+    return f"the law does as well without {change.step.effect}, now that it has {keep}"
 
 
 def exchange(
     file: LawFile, structure: Structure, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
-) -> Addition:
+) -> LawChange:
     """Put another structure, with one thing exchanged, in a law's place and refit everything; see `add_effect`.
 
     Raises:
         UserError: the data can't serve it.
     """
-    step = f"{ON_BASE}{structure.base}{' alone' if file.effects and not structure.effects else ''}"
     if structure.base == file.base:
-        gone, come = (
-            " and ".join(name for name in some if name not in others)
-            for some, others in ((file.effects, structure.effects), (structure.effects, file.effects))
-        )
-        step = f"{gone} -> {come}"
+        come = tuple(name for name in structure.effects if name not in file.effects)
+        step = LawStep(come, tuple(name for name in file.effects if name not in structure.effects))
+    else:
+        step = LawStep(base=structure.base, alone=bool(file.effects) and not structure.effects)
     of_parts = any(name not in structure.effects for name in parts_of(file))
     kind: Kind | None = "part" if of_parts else None
     return _changed(file, structure, step, tests, command=command, date=date, kind=kind, progress=progress)
@@ -188,7 +185,7 @@ def exchange(
 def _changed(
     file: LawFile,
     new: Structure,
-    step: str,
+    step: LawStep,
     tests: Tests,
     *,
     command: str,
@@ -196,13 +193,13 @@ def _changed(
     kind: Kind | None = None,
     start: Mapping[str, float] | None = None,
     progress: Progress,
-) -> Addition:
+) -> LawChange:
     """Refit a law with another structure and state the error before and after."""
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, command=command, date=date)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
     left = {"refitted_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))
-    last = HistoryStep(step=step, kind=kind, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
+    last = HistoryStep(step=str(step), kind=kind, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
-    return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)
+    return LawChange(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

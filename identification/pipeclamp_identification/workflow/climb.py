@@ -11,7 +11,7 @@ from typing import Literal
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
 from pipeclamp_identification.workflow.change import (
-    Addition,
+    LawChange,
     add_effects,
     as_well_without,
     exchange,
@@ -41,14 +41,14 @@ class Rung:
         words: what to mind of it.
     """
 
-    change: Addition
+    change: LawChange
     kind: Kind | Literal["revision"]
     words: tuple[str, ...]
 
     def said(self) -> str:
         """Say what was done, and what the error on left-out conditions did."""
         before, after = self.change.heldout
-        return f"{self.change.effect} ({self.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
+        return f"{self.change.step} ({self.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
 
 
 @dataclass(frozen=True)
@@ -183,9 +183,9 @@ class Climber:
             tried = self._until_one_helps(file, found, gone)
             if tried and helps(tried[-1]):
                 self.seen(found, file)
-                turns = (*turns, *_turns(file, ladder, gone, found, _name(tried[-1][0])))
+                turns = (*turns, *_turns(file, ladder, gone, found, tried[-1][0].step.effect))
                 ladder = (*ladder, *_rungs(found, tried))
-                name = having = tried[-1][-1].effect.removeprefix("+ ")
+                name = having = tried[-1][-1].step.effect
             else:
                 in_vain = (*went, *(_in_vain(steps) for steps in tried))
                 found = found.naming_nothing(in_vain_words(in_vain)) if tried else found
@@ -194,7 +194,7 @@ class Climber:
                 if rung is None:
                     return Way(Settled(file, found, ladder, in_vain), turns, met)
                 ladder = (*ladder, rung)
-                name, having = rung.change.effect.rpartition(" -> ")[2], rung.change.effect
+                name, having = rung.change.step.effect, str(rung.change.step)
             file, ladder, gone = self._without_spares(ladder, gone, name, having)
 
     def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> Way:
@@ -214,7 +214,7 @@ class Climber:
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
         return self.climb(file, ladder, gone, before)
 
-    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
+    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[LawChange]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
 
         The fit of the first begins at the values that are known of it; what it needs beside it is added too.
@@ -222,7 +222,7 @@ class Climber:
         Returns:
             what was tried, each in its steps; those that went aren't.
         """
-        tried: list[list[Addition]] = []
+        tried: list[list[LawChange]] = []
         for name in (name for name in found.effects if name not in gone):
             whole = not tried and found.together
             tried.append(
@@ -234,7 +234,7 @@ class Climber:
 
     def _added(
         self, file: LawFile, effects: Sequence[str], kind: Kind, start: Mapping[str, float] | None = None
-    ) -> list[Addition]:
+    ) -> list[LawChange]:
         return add_effects(
             file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
             start=start, progress=self.progress,
@@ -264,7 +264,7 @@ class Climber:
         for structure in self.tests.better_structures(file, self.progress)[:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
             if helps([change]) and fits_samples(change):
-                words = f"{change.effect}: the error on left-out conditions falls beyond doubt"
+                words = f"{change.step}: the error on left-out conditions falls beyond doubt"
                 return Rung(change, "revision", (words, *_energy_words(change.after)))
         return None
 
@@ -280,9 +280,9 @@ class Climber:
         change = self._exchanged(file, structure)
         if not stays_as_good(change):
             return None
-        return Rung(change, "revision", (f"{change.effect}: the law does as well with fewer parameters",))
+        return Rung(change, "revision", (f"{change.step}: the law does as well with fewer parameters",))
 
-    def _exchanged(self, file: LawFile, structure: Structure) -> Addition:
+    def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
         return exchange(file, structure, self.tests, command=self.command, date=file.date, progress=self.progress)
 
 
@@ -294,15 +294,15 @@ def _turns(file: LawFile, ladder: tuple[Rung, ...], gone: Gone, found: Diagnosed
     ]
 
 
-def _rungs(found: Diagnosed, tried: Sequence[Sequence[Addition]]) -> list[Rung]:
+def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]:
     """Give the rungs of what was tried last and helped."""
     kind = _kind(found)
     *before, (first, *beside) = tried
-    others = [name for name in found.effects if name not in {_name(steps[0]) for steps in tried}]
+    others = [name for name in found.effects if name not in {steps[0].step.effect for steps in tried}]
     rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
     told = tuple(no_help(_in_vain(steps)) for steps in before) or found.rung()
     proof = () if kind == "cause" or NO_PROOF in found.cautions() else (NO_PROOF,)  # one of several causes is a part
-    needed = f"{_name(first)} needs it beside it"
+    needed = f"{first.step.effect} needs it beside it"
     return [
         Rung(first, kind, (*told, *rivals, *found.cautions(), *proof)),
         *(Rung(step, kind, (needed,)) for step in beside),
@@ -314,10 +314,6 @@ def _kind(found: Diagnosed) -> Kind:
     return "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
 
 
-def _name(change: Addition) -> str:
-    return change.effect.lstrip("+- ")
-
-
 def _energy_words(file: LawFile) -> tuple[str, ...]:
     """Say that a law could create energy; only a base is asked whose damping has coefficients of either sign."""
     if not find_base(file.base).signed:
@@ -327,12 +323,12 @@ def _energy_words(file: LawFile) -> tuple[str, ...]:
     return ("over some cycles this law would create energy: `build-fmu` refuses it",) if creates_energy(file) else ()
 
 
-def _in_vain(steps: Sequence[Addition]) -> InVain:
+def _in_vain(steps: Sequence[LawChange]) -> InVain:
     """Give what a law was refitted with, or without, and isn't to have."""
     without, having = rounded(steps[0].heldout[0]), rounded(steps[-1].heldout[1])
-    if steps[0].effect.startswith("- "):
+    if not steps[0].step.come:
         without, having = having, without
-    return InVain(effect=WITH.join(map(_name, steps)), refitted_nrmse=(without, having))
+    return InVain(effect=WITH.join(change.step.effect for change in steps), refitted_nrmse=(without, having))
 
 
 def _goes_on(found: Diagnosed, file: LawFile) -> bool:

@@ -74,5 +74,5 @@ def discover(
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
     heldout = (before, steps[-1].heldout[1])
-    gone = (*found.found.gone, *(change.effect.removeprefix("- ") for change in steps[1:]))
+    gone = (*found.found.gone, *(change.step.effect for change in steps[1:]))
     return Proposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)

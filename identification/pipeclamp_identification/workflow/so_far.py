@@ -55,7 +55,7 @@ class SoFar:
     @property
     def steps(self) -> str:
         """What was done on the way to the last law; empty where no rung was climbed."""
-        return " ".join(rung.change.effect for rung in self._laws[-1][1]) if self._laws else ""
+        return " ".join(str(rung.change.step) for rung in self._laws[-1][1]) if self._laws else ""
 
     def words(self) -> str:
         """Say what the best law did to the error on left-out conditions."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, Protocol
 
 from pydantic import BaseModel, ConfigDict
 
@@ -45,3 +46,20 @@ class LeftOutRun(AnswerModel):
 
     run: str
     reason: str
+
+
+class Unusable(Protocol):
+    """A run that couldn't be used, wherever that was found."""
+
+    @property
+    def run(self) -> str:
+        """The run's name."""
+
+    @property
+    def reason(self) -> str:
+        """Why it couldn't."""
+
+
+def left_out_runs(runs: Iterable[Unusable]) -> tuple[LeftOutRun, ...]:
+    """Give runs that couldn't be used as answers have them."""
+    return tuple(LeftOutRun(run=one.run, reason=one.reason) for one in runs)

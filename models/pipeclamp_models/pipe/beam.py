@@ -19,10 +19,9 @@ from itertools import pairwise
 from math import ceil, inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.element import Element
@@ -143,7 +142,7 @@ class Assembly:
 
     nodes: Array
     elements: tuple[Element, ...]
-    free: NDArray[np.bool_]
+    free: BoolArray
     mass: Array
     stiffness: Array
     loads: LoadShapes
@@ -247,7 +246,7 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
     )
 
 
-def _places(elements: Sequence[Element]) -> list[NDArray[np.intp]]:
+def _places(elements: Sequence[Element]) -> list[IntArray]:
     """Give the places of each element's degrees of freedom among all."""
     inner = np.cumsum([2 * (len(elements) + 1), *(element.inner for element in elements)])
     return [

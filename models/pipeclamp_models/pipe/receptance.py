@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeclamp_models.base.arrays import Array
-
-Complex = NDArray[np.complex128]
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 
 def are_coupled(stiffness: Array, damping: Array) -> bool:
@@ -18,7 +15,7 @@ def are_coupled(stiffness: Array, damping: Array) -> bool:
 
 def receptance(
     stiffness: Array, damping: Array, loads: Array, observed: Array, omega: Array, *, coupled: bool
-) -> Complex:
+) -> ComplexArray:
     """Give what points move per unit of each load, q'' + damping q' + stiffness q = loads u, s = observed q.
 
     Args:

@@ -8,10 +8,9 @@ from math import pi
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh, eigvals
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 GROWTH = 1e-7
 """Of the highest frequency: growth slower than this is rounding (a double eigenvalue scatters by 1e-8)."""
@@ -45,7 +44,7 @@ class Onset:
     kind: Kind
 
 
-def eigenvalues(stiffness: Array, damping: Array) -> NDArray[np.complex128]:
+def eigenvalues(stiffness: Array, damping: Array) -> ComplexArray:
     """Give the eigenvalues in 1/s of q'' + damping q' + stiffness q = 0, ascending in their absolute value, (2 n,)."""
     n = stiffness.shape[0]
     values = eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]]))

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import control
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.pipe.receptance import Complex, are_coupled, receptance
+from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.pipe.receptance import are_coupled, receptance
 
 POINTS_A_MODE = 20
 """Frequencies, even in wave number, at which the responses are compared, besides the resonances."""
@@ -61,7 +61,7 @@ class ModalModel:
             return stiffness, damping
         return stiffness + self.coupling[0][:count, :count], damping + self.coupling[1][:count, :count]
 
-    def receptance(self, omega: Array, moving: int | None = None) -> Complex:
+    def receptance(self, omega: Array, moving: int | None = None) -> ComplexArray:
         """Give displacements per unit load at frequencies, rad/s, (n,): (n, outputs, inputs).
 
         Args:
@@ -216,7 +216,7 @@ def _damped(model: ModalModel) -> ModalModel:
     return replace(model, damping=np.maximum(model.damping, 2 * LEAST_DAMPING * model.omega))
 
 
-def own_stiffness(receptance: Complex) -> Array:
+def own_stiffness(receptance: ComplexArray) -> Array:
     """Give the pipe's stiffness at each clamp, N/m, (clamps,): geometric mean over (frequencies, clamps, clamps)."""
     driven = np.abs(np.diagonal(receptance, axis1=1, axis2=2))
     return np.asarray(np.exp(-np.log(driven).mean(axis=0)), dtype=np.float64)
@@ -246,7 +246,7 @@ def flanked(resonances: Array, model: ModalModel) -> Array:
     return np.ravel(resonances[:, None] + half_width[:, None] * FLANKS)
 
 
-def clamped(receptance: Complex, stiffness: Array) -> Complex:
+def clamped(receptance: ComplexArray, stiffness: Array) -> ComplexArray:
     """Give what the excitation makes where springs stand for the clamps.
 
     Args:
@@ -265,7 +265,7 @@ def clamped(receptance: Complex, stiffness: Array) -> Complex:
     return np.concatenate([force, probes], axis=1)
 
 
-def local_scale(response: Complex, band: Array, natural: Array, clamps: int) -> Array:
+def local_scale(response: ComplexArray, band: Array, natural: Array, clamps: int) -> Array:
     """Give what the error of a response counts against, like it.
 
     Args:
@@ -292,13 +292,13 @@ def local_scale(response: Complex, band: Array, natural: Array, clamps: int) -> 
     return np.where(scale > 0.0, scale, 1.0)
 
 
-def _largest_share(error: Array, response: Complex) -> float:
+def _largest_share(error: Array, response: ComplexArray) -> float:
     """Give the largest error as a share of its channel's response, (outputs, inputs, 1)."""
     scale = np.abs(response)
     scale = np.maximum(scale, STILL * scale.max(axis=0))
     return float((error / np.where(scale > 0, scale, 1.0)).max())
 
 
-def _frequency_response(system: control.StateSpace, band: Array) -> Complex:
+def _frequency_response(system: control.StateSpace, band: Array) -> ComplexArray:
     """Give the frequency response, (outputs, inputs, frequencies)."""
     return np.asarray(control.frequency_response(system, band, squeeze=False).complex, dtype=np.complex128)

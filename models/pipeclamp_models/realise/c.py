@@ -14,10 +14,11 @@ from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.bounded import bounded
 from pipeclamp_models.realise.slopes import needed, slope_of, slopes_through
-from pipeclamp_models.realise.stepping import Definition, conditions_of, exact, parameter_symbols, stepping
+from pipeclamp_models.realise.stepping import Definition, Stepping, conditions_of, exact, parameter_symbols, stepping
 
 EXACT_POWERS = range(2, 9)
 """Whole powers that are written as products, which is many times cheaper than `pow`."""
+MOTION = "double y_previous, double y, double v, double h"
 
 
 class CPrinter(C99CodePrinter):  # type: ignore[misc]
@@ -93,86 +94,118 @@ def c_source(structure: Structure) -> str:
       each condition, memory included.
     """
     law = stepping(structure)
-    equations = law.equations
-    slow = {str(symbol): symbol for symbol in equations.slow_signals}
-    p = Names("p", parameter_symbols(equations))
-    u = Names("u", tuple(slow.get(name, sp.Symbol(name)) for name in conditions_of(equations)))
-    k = Names("k", tuple(symbol for symbol, _ in law.held))
-    z = Names("z", tuple(state.symbol for state in equations.states))
-    c = Names("c", tuple(entry.symbol for entry in equations.coefficients))
-    s = Names("s", tuple(symbol for symbol, _ in law.stages))
-    new = Names("new", law.after)
-    written = dict(zip(new.symbols, law.updates, strict=True))
-    of_conditions = p.locals() | u.locals() | c.locals()
-    of_step = k.locals() | z.locals() | s.locals() | new.locals()
-
-    def assigned(names: Names, expressions: Mapping[sp.Symbol, sp.Expr]) -> Block:
-        """Give the definition of each entry as a name."""
-        return (
-            [f"const double {name}" for symbol, name in names.locals().items() if symbol in expressions],
-            [expressions[symbol] for symbol in names.symbols if symbol in expressions],
-        )
-
-    def one_by_one(definitions: Iterable[Definition], names: Mapping[sp.Symbol, sp.Symbol]) -> list[Block]:
-        """Give definitions as blocks of their own, for each may use those before it."""
-        return [([f"const double {names[symbol]}"], [value.xreplace(names)]) for symbol, value in definitions]
-
-    way, slopes = total_slopes(equations, (symbols.y, symbols.v, *u.symbols))
-    sloped = set().union(*(slope.free_symbols for slope in (*slopes, *(value for _, value in way))))
-    on_the_way = Names("s", tuple(symbol for symbol, _ in way))
-    of_slopes = of_conditions | z.locals() | on_the_way.locals()
-    rest = ", ".join(repr(float(state.start)) for state in equations.states) or "0.0"
-    motion = "double y_previous, double y, double v, double h"
+    names = _names_of(law)
+    counts = {"PARAMETERS": names.p, "CONDITIONS": names.u, "HELD": names.k, "STATES": names.z}
+    rest = ", ".join(repr(float(state.start)) for state in law.equations.states) or "0.0"
     return "\n".join(
         [
-            f"enum {{ LAW_PARAMETERS = {len(p.symbols)}, LAW_CONDITIONS = {len(u.symbols)},"
-            f" LAW_HELD = {len(k.symbols)}, LAW_STATES = {len(z.symbols)} }};",
+            f"enum {{ {', '.join(f'LAW_{name} = {len(one.symbols)}' for name, one in counts.items())} }};",
             "",
             f"static const double law_rest[] = {{{rest}}};",
             "",
-            *_function(
-                "static void law_coefficients(const double p[], const double u[], double k[])",
-                (p, u),
-                [
-                    assigned(c, {symbol: value.xreplace(of_conditions) for symbol, value in law.coefficients}),
-                    (
-                        [f"k[{index}]" for index in range(len(law.held))],
-                        [value.xreplace(of_conditions) for _, value in law.held],
-                    ),
-                ],
-                unused=("p", "u", "k"),
-            ),
-            *_function(
-                f"static void law_step(const double k[], const double z[], {motion}, double result[2], double z_new[])",
-                (k, z),
-                [
-                    *one_by_one(law.stages, of_step),
-                    assigned(new, {symbol: value.xreplace(of_step) for symbol, value in written.items()}),
-                    ([f"z_new[{index}]" for index in range(len(law.after))], list(new.locals().values())),
-                    (["result[0]", "result[1]"], [value.xreplace(of_step) for value in (law.force, law.energy)]),
-                ],
-                unused=("k", "z", "y_previous", "v", "h", "z_new"),
-            ),
-            *_function(
-                "static void law_slopes(const double p[], const double u[], const double z[], "
-                f"{motion}, double slope[{len(slopes)}])",
-                (p, u, z),
-                [
-                    assigned(
-                        c,
-                        {
-                            entry.symbol: exact(entry.expression).xreplace(of_conditions)
-                            for entry in equations.coefficients
-                            if entry.symbol in sloped
-                        },
-                    ),
-                    *one_by_one(way, of_slopes),
-                    ([f"slope[{index}]" for index in range(len(slopes))], [one.xreplace(of_slopes) for one in slopes]),
-                ],
-                unused=("p", "u", "z", "y_previous", "y", "v", "h"),
-            ),
+            *_coefficients(law, names),
+            *_step(law, names),
+            *_slopes(law, names),
         ]
     )
+
+
+@dataclass(frozen=True)
+class _LawNames:
+    """The C names of parameters, conditions, coefficients, what holds through a step, and states before and after."""
+
+    p: Names
+    u: Names
+    c: Names
+    k: Names
+    z: Names
+    new: Names
+
+    @property
+    def of_conditions(self) -> dict[sp.Symbol, sp.Symbol]:
+        """What coefficients are made of, and they."""
+        return self.p.locals() | self.u.locals() | self.c.locals()
+
+
+def _names_of(law: Stepping) -> _LawNames:
+    equations = law.equations
+    slow = {str(symbol): symbol for symbol in equations.slow_signals}
+    return _LawNames(
+        p=Names("p", parameter_symbols(equations)),
+        u=Names("u", tuple(slow.get(name, sp.Symbol(name)) for name in conditions_of(equations))),
+        c=Names("c", tuple(entry.symbol for entry in equations.coefficients)),
+        k=Names("k", tuple(symbol for symbol, _ in law.held)),
+        z=Names("z", tuple(state.symbol for state in equations.states)),
+        new=Names("new", law.after),
+    )
+
+
+def _coefficients(law: Stepping, names: _LawNames) -> list[str]:
+    """Give `law_coefficients`, see `c_source`."""
+    of = names.of_conditions
+    return _function(
+        "static void law_coefficients(const double p[], const double u[], double k[])",
+        (names.p, names.u),
+        [
+            _assigned(names.c, {symbol: value.xreplace(of) for symbol, value in law.coefficients}),
+            ([f"k[{index}]" for index in range(len(law.held))], [value.xreplace(of) for _, value in law.held]),
+        ],
+        unused=("p", "u", "k"),
+    )
+
+
+def _step(law: Stepping, names: _LawNames) -> list[str]:
+    """Give `law_step`, see `c_source`."""
+    stages = Names("s", tuple(symbol for symbol, _ in law.stages))
+    of = names.k.locals() | names.z.locals() | stages.locals() | names.new.locals()
+    updates = zip(names.new.symbols, law.updates, strict=True)
+    return _function(
+        f"static void law_step(const double k[], const double z[], {MOTION}, double result[2], double z_new[])",
+        (names.k, names.z),
+        [
+            *_one_by_one(law.stages, of),
+            _assigned(names.new, {symbol: value.xreplace(of) for symbol, value in updates}),
+            ([f"z_new[{index}]" for index in range(len(law.after))], list(names.new.locals().values())),
+            (["result[0]", "result[1]"], [value.xreplace(of) for value in (law.force, law.energy)]),
+        ],
+        unused=("k", "z", "y_previous", "v", "h", "z_new"),
+    )
+
+
+def _slopes(law: Stepping, names: _LawNames) -> list[str]:
+    """Give `law_slopes`, see `c_source`."""
+    way, slopes = total_slopes(law.equations, (symbols.y, symbols.v, *names.u.symbols))
+    used = set().union(*(slope.free_symbols for slope in (*slopes, *(value for _, value in way))))
+    of_slopes = names.of_conditions | names.z.locals() | Names("s", tuple(symbol for symbol, _ in way)).locals()
+    coefficients = {
+        entry.symbol: exact(entry.expression).xreplace(names.of_conditions)
+        for entry in law.equations.coefficients
+        if entry.symbol in used
+    }
+    return _function(
+        "static void law_slopes(const double p[], const double u[], const double z[], "
+        f"{MOTION}, double slope[{len(slopes)}])",
+        (names.p, names.u, names.z),
+        [
+            _assigned(names.c, coefficients),
+            *_one_by_one(way, of_slopes),
+            ([f"slope[{index}]" for index in range(len(slopes))], [one.xreplace(of_slopes) for one in slopes]),
+        ],
+        unused=("p", "u", "z", "y_previous", "y", "v", "h"),
+    )
+
+
+def _assigned(names: Names, expressions: Mapping[sp.Symbol, sp.Expr]) -> Block:
+    """Give the definition of each entry as a name."""
+    return (
+        [f"const double {name}" for symbol, name in names.locals().items() if symbol in expressions],
+        [expressions[symbol] for symbol in names.symbols if symbol in expressions],
+    )
+
+
+def _one_by_one(definitions: Iterable[Definition], names: Mapping[sp.Symbol, sp.Symbol]) -> list[Block]:
+    """Give definitions as blocks of their own, for each may use those before it."""
+    return [([f"const double {names[symbol]}"], [value.xreplace(names)]) for symbol, value in definitions]
 
 
 def total_slopes(equations: Composed, by: Iterable[sp.Symbol]) -> tuple[list[Definition], list[sp.Expr]]:

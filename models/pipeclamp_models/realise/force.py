@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.law.law import Equations, Law
 from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Slopes, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
@@ -32,11 +32,11 @@ class Jacobian:
     courses: Array
     terms: Sequence[Sequence[tuple[int, Array | float]]]
 
-    def of(self, parameters: npt.NDArray[np.intp]) -> Array:
+    def of(self, parameters: IntArray) -> Array:
         """Give the derivatives by some of the parameters, shape (P, R, n)."""
         return self.through(lambda courses: courses, parameters)
 
-    def through(self, linear: Callable[[Array], Array], parameters: npt.NDArray[np.intp]) -> Array:
+    def through(self, linear: Callable[[Array], Array], parameters: IntArray) -> Array:
         """Give what a linear map makes of the derivatives by some of the parameters.
 
         Args:
@@ -83,9 +83,9 @@ class LawForce:
 
     force: Array
     jacobian: Jacobian | None
-    adrift: npt.NDArray[np.bool_]
+    adrift: BoolArray
     held: Array
-    unsettled: npt.NDArray[np.bool_]
+    unsettled: BoolArray
     states: Sequence[Array]
     steps: Array | None = None
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.steps.ways import Ways
@@ -28,8 +28,8 @@ class Turning:
         share: by which the mean stands in the place of the sample, shape (K,).
     """
 
-    row: npt.NDArray[np.intp]
-    sample: npt.NDArray[np.intp]
+    row: IntArray
+    sample: IntArray
     v: Array
     weight: Array
     share: Array
@@ -87,7 +87,7 @@ class Motion:
         a = self.a[:, self.ways.step]
         return replace(self, y=self.ways.y, v=self.ways.v, a=a, slow=slow, h=self.ways.h, ways=None)
 
-    def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
+    def rows(self, chosen: IntArray) -> Motion:
         """Give some of the motions."""
         slow = {name: values[chosen] for name, values in self.slow.items()}
         rest = np.broadcast_to(self.rest, self.h.shape)[chosen]

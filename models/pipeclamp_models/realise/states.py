@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.realise.arrays import ArrayRealisation, Slopes
 from pipeclamp_models.realise.motion import Motion
@@ -37,8 +36,8 @@ class States:
     after: Sequence[Array]
     slopes: Array
     steps: Array | None
-    adrift: npt.NDArray[np.bool_]
-    unsettled: npt.NDArray[np.bool_]
+    adrift: BoolArray
+    unsettled: BoolArray
     kept: Array | None = None
 
 
@@ -150,9 +149,7 @@ class March:
             slopes = trail(begin + to_period, by_states, by_parameters)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled, kept)
 
-    def _settle(
-        self, start: Array, scale: Array, columns: Columns, moving: npt.NDArray[np.bool_], *, most: int
-    ) -> npt.NDArray[np.bool_]:
+    def _settle(self, start: Array, scale: Array, columns: Columns, moving: BoolArray, *, most: int) -> BoolArray:
         """Move states before the first sample, (J, R), to their periodic values; tell which rows still move.
 
         Args:
@@ -246,7 +243,7 @@ class March:
         return by_parameters
 
 
-def _moves(change: Array, scale: Array, largest: Array) -> npt.NDArray[np.bool_]:
+def _moves(change: Array, scale: Array, largest: Array) -> BoolArray:
     """Tell which rows' states a cycle changes, (J, R), against their sizes before, (R,), and within it, (J, R)."""
     return np.asarray(np.any(~(np.abs(change) <= SETTLED * (scale + np.max(largest, axis=0))), axis=0))
 
@@ -262,7 +259,7 @@ def _back(by_start: Array) -> Array:
     return np.asarray(back)
 
 
-def _of_rows(columns: Columns, rows: npt.NDArray[np.bool_]) -> Columns:
+def _of_rows(columns: Columns, rows: BoolArray) -> Columns:
     """Give what a step takes on some of the rows."""
     moving, held = columns
     return [each[rows] for each in moving], [each[rows] for each in held]

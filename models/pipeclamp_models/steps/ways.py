@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.steps.within_step import part_of, turn_within
 
 
@@ -25,8 +24,8 @@ class Ways:
         h: their durations, s, same shape.
     """
 
-    step: npt.NDArray[np.intp]
-    last: npt.NDArray[np.intp]
+    step: IntArray
+    last: IntArray
     y: Array
     v: Array
     y_previous: Array
@@ -41,7 +40,7 @@ class Ways:
         """Give values of the samples, (R, n), along the ways, (R, m); what keeps still, (R, 1), as it is."""
         return values[:, self.step] if values.shape[1] > 1 else values
 
-    def rows(self, chosen: npt.NDArray[np.intp]) -> Ways:
+    def rows(self, chosen: IntArray) -> Ways:
         """Give those of some of the rows."""
         y, v, y_previous, h = (each[chosen] for each in (self.y, self.v, self.y_previous, self.h))
         return replace(self, y=y, v=v, y_previous=y_previous, h=h)

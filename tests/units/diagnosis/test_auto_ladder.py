@@ -7,6 +7,7 @@ import pytest
 from pipeclamp_fmu import build
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.workflow import auto, change, climb
+from pipeclamp_models.law.step import LawStep
 
 HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
 """Error on left-out conditions by the effect that was added last, or by all of a law's."""
@@ -33,10 +34,10 @@ def answering(answers, monkeypatch):
     """Give tests whose diagnosis is told by a law's effects, and what each effect does to the error."""
 
     def add(file, effect, tests, **options):
-        step = SimpleNamespace(step=f"+ {effect}", kind=options["kind"])
+        step = SimpleNamespace(step=str(LawStep((effect,))), kind=options["kind"])
         after = law(*file.effects, effect, history=(*file.history, step))
         heldout = tuple(HELD_OUT.get(one.effects, HELD_OUT["".join(one.effects[-1:])]) for one in (file, after))
-        return SimpleNamespace(effect=effect, after=after, heldout=heldout)
+        return SimpleNamespace(step=LawStep((effect,)), after=after, heldout=heldout)
 
     monkeypatch.setattr(change, "add_effect", add)
     return SimpleNamespace(
@@ -50,8 +51,8 @@ def answering(answers, monkeypatch):
 @pytest.mark.parametrize(
     ("first", "ends"),
     [
-        (("missing", "part", "oil_damper"), ("complete", [("oil_damper", "part"), ("memory", "part")])),
-        (("missing", "cause", "oil_damper"), ("ambiguous", [("oil_damper", "cause")])),
+        (("missing", "part", "oil_damper"), ("complete", [("+ oil_damper", "part"), ("+ memory", "part")])),
+        (("missing", "cause", "oil_damper"), ("ambiguous", [("+ oil_damper", "cause")])),
     ],
 )
 def test_of_several_that_may_be_the_cause_one_is_taken_only_beside_a_part(first, ends, monkeypatch):
@@ -62,7 +63,7 @@ def test_of_several_that_may_be_the_cause_one_is_taken_only_beside_a_part(first,
     }
     tests = answering(answers, monkeypatch)
     settled = auto.add_until_settled(law(), tests, command="test")
-    assert (settled.found.verdict, [(rung.change.effect, rung.kind) for rung in settled.ladder]) == ends
+    assert (settled.found.verdict, [(str(rung.change.step), rung.kind) for rung in settled.ladder]) == ends
     told = [word for rung in settled.ladder for word in rung.words]
     assert any("slip_spread would have done much the same" in word for word in told) == (ends[0] == "complete")
     assert all(NO_PROOF in rung.words for rung in settled.ladder if rung.kind == "part")
@@ -71,7 +72,7 @@ def test_of_several_that_may_be_the_cause_one_is_taken_only_beside_a_part(first,
 def test_of_several_that_take_a_part_the_next_is_tried_where_the_best_does_not_help(monkeypatch):
     answers = {(): found("ambiguous", "part", "bouc_wen", "memory", "slip_spread"), ("memory",): found("complete")}
     settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
-    assert [rung.change.effect for rung in settled.ladder] == ["memory"]
+    assert [str(rung.change.step) for rung in settled.ladder] == ["+ memory"]
     tried, others, _ = settled.ladder[0].words
     assert tried.startswith("bouc_wen was tried and not added")
     assert others == "slip_spread would have done much the same"
@@ -95,13 +96,15 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     tests.better_structures = lambda file, progress: ["memory:2"]
 
     def exchanged(file, structure, tests, **options):
-        return SimpleNamespace(effect=f"-> {structure}", after=law(structure), heldout=(0.10, 0.08), nrmse=samples)
+        return SimpleNamespace(
+            step=LawStep((structure,), ("memory",)), after=law(structure), heldout=(0.10, 0.08), nrmse=samples
+        )
 
     samples = (0.09, 0.07)
     monkeypatch.setattr(climb, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.found.verdict == "complete"
-    assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]
+    assert [(str(rung.change.step), rung.kind) for rung in settled.ladder] == [("memory -> memory:2", "revision")]
     samples = (0.06, 0.22)  # a spike at each reversal, beyond the harmonics by which left-out conditions are foretold
     assert not auto.add_until_settled(law(), tests, command="test").ladder
 
@@ -113,7 +116,7 @@ def test_that_a_law_on_another_base_would_create_energy_is_told(base, cycle, tol
     tests.better_structures = lambda file, progress: [base] if not file.effects else []
     after = law("series")
     after.base = base
-    step = SimpleNamespace(effect=f"base {base}", after=after, heldout=(0.10, 0.08), nrmse=(0.09, 0.07))
+    step = SimpleNamespace(step=LawStep(base=base), after=after, heldout=(0.10, 0.08), nrmse=(0.09, 0.07))
     monkeypatch.setattr(climb, "exchange", lambda *of, **options: step)
     monkeypatch.setattr(build, "creates_energy", lambda file: cycle)
     settled = auto.add_until_settled(law(), tests, command="test")
@@ -138,8 +141,8 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
     tests.simpler_structure = simpler
 
     def exchanged(file, structure, tests, **options):
-        effect = "oil_damper -> relaxation"
-        return SimpleNamespace(effect=effect, after=law(*structure.effects), heldout=(0.01, 0.0101), nrmse=samples)
+        step = LawStep(("relaxation",), ("oil_damper",))
+        return SimpleNamespace(step=step, after=law(*structure.effects), heldout=(0.01, 0.0101), nrmse=samples)
 
     samples = (0.01, 0.0101)
     monkeypatch.setattr(climb, "exchange", exchanged)
@@ -180,7 +183,7 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
 
     def remove(file, effect, tests, **options):
         after = law(*(name for name in file.effects if name != effect))
-        return SimpleNamespace(effect=f"- {effect}", after=after, heldout=(0.01, 0.01), nrmse=(0.01, 0.01))
+        return SimpleNamespace(step=LawStep(gone=(effect,)), after=after, heldout=(0.01, 0.01), nrmse=(0.01, 0.01))
 
     monkeypatch.setattr(change, "remove_effect", remove)
     added, add = [], change.add_effect
@@ -209,7 +212,9 @@ def test_an_effect_that_went_is_not_named_at_the_end(most, monkeypatch):
     tests.superfluous = lambda file, keep, progress: "oil_damper" if len(file.effects) == 2 else None
 
     def remove(file, effect, tests, **options):
-        return SimpleNamespace(effect=f"- {effect}", after=law("memory"), heldout=(0.0100, 0.0101), nrmse=(0.01, 0.01))
+        return SimpleNamespace(
+            step=LawStep(gone=(effect,)), after=law("memory"), heldout=(0.0100, 0.0101), nrmse=(0.01, 0.01)
+        )
 
     monkeypatch.setattr(change, "remove_effect", remove)
     settled = auto.add_until_settled(law(), tests, command="test", most=most)
@@ -231,7 +236,10 @@ def test_where_the_first_way_ends_without_a_name_another_is_climbed(monkeypatch)
     monkeypatch.setitem(HELD_OUT, "slip_spread", 0.06)
     tests, seen = answering(answers, monkeypatch), []
     settled = auto.add_until_settled(law(), tests, command="test", seen=lambda found, file: seen.append(file.effects))
-    assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("slip_spread", "part"), ("memory", "part")]
+    assert [(str(rung.change.step), rung.kind) for rung in settled.ladder] == [
+        ("+ slip_spread", "part"),
+        ("+ memory", "part"),
+    ]
     assert settled.ladder[0].words[0].startswith("by itself it takes 90% of what oil_damper does")
     assert "5.00%" in settled.ladder[0].words[0]
     assert seen == [(), ("oil_damper",), ("slip_spread",), ("slip_spread", "memory"), ("slip_spread", "memory")]
@@ -244,7 +252,7 @@ def test_another_way_that_ends_no_better_is_not_taken(monkeypatch):
         ("play",): found("unknown"),
     }
     settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
-    assert [rung.change.effect for rung in settled.ladder] == ["oil_damper"]
+    assert [str(rung.change.step) for rung in settled.ladder] == ["+ oil_damper"]
 
 
 def test_of_ways_that_end_as_well_the_one_with_fewer_effects_is_taken(monkeypatch):

@@ -142,7 +142,9 @@ def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(
     problem, fitted = prepare(Structure("power"), loops_of(tests))
     law = judge((), Structure("power"), [fitted.law.values], problem)
     (promise,) = screened(Structure("power"), problem, law, silent, ["oil_damper"])
-    found = [roughly(with_effect(Structure("power"), "oil_damper"), [start], problem) for start in promise.starts]
+    found = [
+        roughly(with_effect(Structure("power"), "oil_damper"), [start.values], problem) for start in promise.starts
+    ]
     assert max(each.cost for each in found) < law.result.cost
     assert min(each.cost for each in found) < 0.02 * law.result.cost
 
@@ -155,12 +157,12 @@ def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign
     problem, fitted = prepare(structure, loops_of(tests))
     law = judge((), structure, [fitted.law.values], problem)
     (promise,) = screened(structure, problem, law, silent, ["relaxation_temperature"])
-    times = {start["tau"] for start in promise.starts}
+    times = {start.values["tau"] for start in promise.starts}
     assert law.result.law.values["tau"] in times
     begun_anew = starting_points(with_effect(Structure("power"), "relaxation"), problem.observations, {})
     assert {start["tau"] for start in begun_anew} < times, "and times that only the hottest tests would show"
     (promise,) = screened(structure, problem, law, silent, ["damping_temperature"])
-    assert {start["tau"] for start in promise.starts} == {law.result.law.values["tau"]}
+    assert {start.values["tau"] for start in promise.starts} == {law.result.law.values["tau"]}
 
 
 def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):
@@ -189,7 +191,7 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     assert told.meant(candidate.name) == "part"
     settled = add_until_settled(file, RecordTests(tests), command="test")
     first, second = settled.ladder
-    added = [(rung.change.effect, rung.kind) for rung in (first, second)]
+    added = [(str(rung.change.step), rung.kind) for rung in (first, second)]
     assert added == [(f"+ {name}", "part") for name in found.together]
     assert second.change.heldout[1] < 0.7 * first.change.heldout[0]
     assert f"{found.together[0]} needs it beside it" in second.words

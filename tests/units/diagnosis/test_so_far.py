@@ -4,16 +4,17 @@ from types import SimpleNamespace
 
 from pipeclamp_identification.workflow.climb import Rung
 from pipeclamp_identification.workflow.so_far import SoFar
+from pipeclamp_models.law.step import LawStep
 
 
 def rung(effect, before, after):
-    return Rung(SimpleNamespace(effect=effect, heldout=(before, after)), "part", ())
+    return Rung(SimpleNamespace(step=LawStep((effect,)), heldout=(before, after)), "part", ())
 
 
 def test_each_rung_is_told_once_and_the_best_law_is_kept():
     kept, said = [], []
     so_far = SoFar(lambda what: None, kept.append, said.append)
-    memory, delay, play = rung("+ memory", 0.10, 0.05), rung("+ delay", 0.05, 0.04), rung("+ play", 0.10, 0.06)
+    memory, delay, play = rung("memory", 0.10, 0.05), rung("delay", 0.05, 0.04), rung("play", 0.10, 0.06)
     assert so_far.steps == ""
     so_far.come("memory", (memory,))
     so_far.come("memory, delay", (memory, delay))

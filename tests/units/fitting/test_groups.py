@@ -14,7 +14,7 @@ import pytest
 
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.diagnosis.left_out import LeftOut, whitened
+from pipeclamp_identification.diagnosis.left_out import WithoutGroups, whitened
 from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.fitting.group_factors import Poolings, mixed
 from pipeclamp_identification.fitting.groups import factors_of, find_groups, strangest_run
@@ -197,7 +197,7 @@ def test_a_left_out_group_of_conditions_doesnt_tell_its_own_factors(differing):
     assert observations.factors is not None
     law = fit(LAW, observations, start=result.law.values)
     fitted = whitened(law, observations)
-    scores = LeftOut(law, observations, problem.coarse, fitted).score(problem.groups)
+    scores = WithoutGroups(law, observations, problem.coarse, fitted).score(problem.groups)
     own = problem.groups == 0
     # by plain algebra: fit law's steps and factors to all other runs, then foretell
     jacobian = fitted.jacobian[~own].reshape(-1, fitted.jacobian.shape[2])

@@ -61,6 +61,13 @@ def test_rooms_inside_import_one_way(package):
                 assert ".".join(name.split(".")[:2]) not in right, f"{file} imports {name}"
 
 
+@pytest.mark.parametrize("package", ROOMS)
+def test_a_package_names_its_rooms(package):
+    words = ast.get_docstring(ast.parse((folder(package) / "__init__.py").read_text(encoding="utf-8"))) or ""
+    rooms = ", ".join(ROOMS[package])
+    assert f"Its packages, each importing only those before it: {rooms}." in " ".join(words.split())
+
+
 @pytest.mark.parametrize("package", ROOTS)
 def test_rooms_are_small_and_say_what_they_are_for(package):
     for entrance in folder(package).rglob("__init__.py"):

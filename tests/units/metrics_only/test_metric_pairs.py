@@ -78,7 +78,7 @@ def test_an_effect_is_named_with_the_one_that_scales_only_it(climbed):
 def test_a_ladder_climbs_by_both(climbed):
     end, found = climbed
     assert end.file.effects == TOGETHER
-    assert [rung.change.effect for rung in end.ladder] == ["+ relaxation", "+ relaxation_temperature"]
+    assert [str(rung.change.step) for rung in end.ladder] == ["+ relaxation", "+ relaxation_temperature"]
     assert end.heldout < 0.1
     assert found[-1].verdict == "complete"
     values = {name: end.file.coefficients[name].value for name in RUBBER}

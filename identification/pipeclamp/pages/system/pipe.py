@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.error_pictures import ConditionsMap, bars_of, conditions_picture, error_bars
 from pipeclamp.pages.page import MEASURED, MODEL, SERIES, Section, styled
 from pipeclamp.pages.system.bands import FAINT, add_area
-from pipeclamp.show.comparison import parts_table
+from pipeclamp.show.comparison import beside_even, parts_table
 from pipeclamp_identification.on_pipe.bands import PipeBands
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable
 from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, Prediction
@@ -22,9 +21,7 @@ from pipeclamp_identification.on_pipe.series import Series, series_of
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.on_pipe.where import beyond_laws, how_much, where_words
 from pipeclamp_identification.signals.levels import number_levels
-
-Rows = NDArray[np.intp]
-Complex = NDArray[np.complex128]
+from pipeclamp_models.base.arrays import ComplexArray
 
 MEASURED_NAME = "measured"
 CORRECTED = SERIES[0]
@@ -33,8 +30,8 @@ MOST_PANELS = 6
 """Series of sines side by side in a picture; of more, the worst."""
 PANEL_WIDTH = 250
 EVEN = (
-    "Beside the share of the squared error that a part holds stands the share that it would hold if the model erred by "
-    "the same part of what was measured everywhere. Amplitude and phase are each held against the whole."
+    f"{beside_even('the model erred by the same part of what was measured everywhere')} "
+    "Amplitude and phase are each held against the whole."
 )
 
 
@@ -77,7 +74,7 @@ def response_picture(
         row_heights=[0.65, 0.35], subplot_titles=[_panel_title(comparison, one, column) for one in shown],
     )  # fmt: skip
     steady = comparison.measurement.steady
-    drawn: list[tuple[Complex, str, dict[str, Any]]] = [
+    drawn: list[tuple[ComplexArray, str, dict[str, Any]]] = [
         (steady.response, MEASURED_NAME, {"mode": "markers", "marker": {"color": MEASURED, "size": 7}}),
         (comparison.prediction.response, "model", {"mode": "lines", "line": {"color": MODEL, "width": 1.6}}),
     ]

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import logsumexp
 
 from pipeclamp_identification.campaign.drive import Profile, tones_motion
@@ -17,8 +16,8 @@ from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.beforehand import parameter_bounds
 from pipeclamp_identification.fitting.least_squares import HELD, WISHED
-from pipeclamp_identification.fitting.observations import SAMPLES, Rows, data_scales, harmonic_slopes, harmonics_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_identification.fitting.observations import SAMPLES, data_scales, harmonic_slopes, harmonics_of
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import Motion
 
@@ -53,7 +52,7 @@ class Foreseer:
     """
 
     judged: Judged
-    places: Rows
+    places: IntArray
     doubt: Array
 
 
@@ -117,11 +116,11 @@ class Outlook:
         return np.asarray(np.max(np.abs(self.forces), axis=(0, 2)))
 
     @property
-    def tells(self) -> npt.NDArray[np.bool_]:
+    def tells(self) -> BoolArray:
         """Whether at least two rivals are told apart, shape (R,)."""
         return np.asarray(self.apart.max(axis=0) >= LEAST_DEVIATIONS)
 
-    def rows(self, chosen: npt.NDArray[np.intp]) -> Outlook:
+    def rows(self, chosen: IntArray) -> Outlook:
         """Give some of the conditions."""
         grid = {name: values[chosen] for name, values in self.grid.items()}
         return Outlook(

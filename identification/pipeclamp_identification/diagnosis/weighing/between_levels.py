@@ -22,9 +22,9 @@ from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.least_squares import Fit, fit
-from pipeclamp_identification.fitting.observations import Rows
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
+from pipeclamp_models.base.arrays import IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
@@ -64,7 +64,7 @@ class Level:
     condition: str
     unit: str
     label: str
-    rows: Rows
+    rows: IntArray
 
 
 def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
@@ -108,7 +108,7 @@ def _levels_between(loops: Loops) -> Iterator[Level]:
             yield Level(condition, unit, level.label, level.rows)
 
 
-def _squares(law: Law, problem: Problem, level: Rows) -> tuple[float, float]:
+def _squares(law: Law, problem: Problem, level: IntArray) -> tuple[float, float]:
     """Give the mean-square error on a level, N2, of the nearest law that the other runs agree with, and of the law.
 
     Args:
@@ -158,7 +158,7 @@ def _cost(refitted: Fit, law: Law, others: WhitenedObservations, share: float) -
     return float(np.sum(residual**2) + np.sum(priors))
 
 
-def _mean_square(law: Law, problem: Problem, level: Rows, others: WhitenedObservations) -> float:
+def _mean_square(law: Law, problem: Problem, level: IntArray, others: WhitenedObservations) -> float:
     """Give a law's mean-square error on a level, N2; groups have the factors that the others show."""
     left_out = problem.harmonics.rows(level)
     foretold = force_of_law(law, left_out.motion)

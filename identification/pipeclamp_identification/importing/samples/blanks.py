@@ -12,6 +12,7 @@ from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE
 from pipeclamp_identification.campaign.records import NEEDED, Record, UnusableRecord
 from pipeclamp_identification.importing.samples.split import GAP_CYCLES, turns_of
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import counted
 
 MOST_BLANK = 0.01
 """Share of a channel's samples that may be blank in rows as long as a gap in time may be."""
@@ -89,7 +90,7 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
             continue  # a temperature that this stretch doesn't have
         kept[name] = on_lines(record.channels[name], gone)[first:last]
         if count:
-            told += (f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines",)
+            told += (f"{counted(count, 'blank sample')} in {name}: replaced by straight lines",)
     return Whole(Record(**kept), first, last, told)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.records import LARGEST
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import counted
 
 MOST_CODES = 0.1
 """Share of the samples; a number that more of them hold is a place at which the channel stays."""
@@ -33,9 +34,7 @@ def without_codes(name: str, values: Array) -> tuple[Array, tuple[str, ...]]:
         gone = kept == code
         count = int(np.count_nonzero(gone))
         kept = np.where(gone, np.nan, kept)
-        told.append(
-            f"{name} is {code:g} in {count} sample{'s' if count > 1 else ''}, far off all others: taken as blank"
-        )
+        told.append(f"{name} is {code:g} in {counted(count, 'sample')}, far off all others: taken as blank")
     return kept, tuple(told)
 
 

@@ -11,6 +11,7 @@ from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing.samples.blanks import on_lines
 from pipeclamp_identification.importing.samples.split import turns_of
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import counted
 
 SPIKE = 12.0
 """Standard deviations, by the median of the absolute ones, that a spike lies off the line between its neighbours."""
@@ -172,7 +173,7 @@ def _despiked(name: str, values: Array, motion: Array | None = None) -> tuple[Ar
     at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
     more = f" and {count - 3} more" if count > 3 else ""
     return clean, (
-        f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
+        f"{counted(count, 'spike')} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
         "by straight lines between their neighbours"
     )
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from pipeclamp_identification.importing.raw import Damaged
 from pipeclamp_identification.units.stated import is_unit, quantity_of_unit, unit_in_name
+from pipeclamp_models.base.said import counted
 
 DELIMITERS = ("\t", ";", ",", "|", " ")
 """The blank, any number of them, comes last: it stands beside others, too."""
@@ -87,8 +88,7 @@ class Layout:
 
     def words(self) -> str:
         """Say how the table is held."""
-        lines = "1 line" if self.first == 1 else f"{self.first} lines"
-        header = f", {lines} before the numbers" if self.first else ", no header"
+        header = f", {counted(self.first, 'line')} before the numbers" if self.first else ", no header"
         return f"cells parted by {WORDS[self.delimiter]}, {DECIMALS[self.decimal]}{header}"
 
 

@@ -1,0 +1,57 @@
+"""A step of a law's way: effects that came, effects that went, another base; and how a file's history writes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE = "+ ", "- ", " -> ", "base ", " alone"
+_REFIT = "a refit"
+_AND = " and "
+
+
+@dataclass(frozen=True)
+class LawStep:
+    """What was done to a law; nothing, where it was only refitted.
+
+    Attributes:
+        come: effects that came.
+        gone: effects that went.
+        base: the base that it was put on; empty where it stayed on its own.
+        alone: whether all effects went with that.
+    """
+
+    come: tuple[str, ...] = ()
+    gone: tuple[str, ...] = ()
+    base: str = ""
+    alone: bool = False
+
+    @property
+    def adds(self) -> bool:
+        """Whether effects came and none went."""
+        return bool(self.come) and not self.gone
+
+    @property
+    def effect(self) -> str:
+        """What came or, where nothing did, went; empty of a base and of a refit."""
+        return _AND.join(self.come or self.gone)
+
+    def __str__(self) -> str:
+        """Give it as a law's history has it."""
+        if self.base:
+            return f"{_ON_BASE}{self.base}{_ALONE if self.alone else ''}"
+        if self.come and self.gone:
+            return f"{_AND.join(self.gone)}{_IN_PLACE}{_AND.join(self.come)}"
+        return f"{_ADDED if self.come else _REMOVED}{self.effect}" if self.effect else _REFIT
+
+
+def read_step(text: str) -> LawStep:
+    """Give a step as a law's history has it; nothing done, for the first, which says what the law began with."""
+    if text.startswith(_ON_BASE):
+        base = text.removeprefix(_ON_BASE)
+        return LawStep(base=base.removesuffix(_ALONE), alone=base.endswith(_ALONE))
+    if text.startswith(_ADDED):
+        return LawStep(come=tuple(text.removeprefix(_ADDED).split(_AND)))
+    if text.startswith(_REMOVED):
+        return LawStep(gone=tuple(text.removeprefix(_REMOVED).split(_AND)))
+    gone, arrow, come = text.partition(_IN_PLACE)
+    return LawStep(tuple(come.split(_AND)), tuple(gone.split(_AND))) if arrow else LawStep()
