@@ -42,7 +42,7 @@ def add_until_settled(
 
     The part that takes most first may lead astray. Where the ladder ends with something missing that can't be named,
     it is climbed once more from where another effect took nearly as much, rather one that the end lacks, until a law of
-    the first way is met; the way that ends better is taken. Of a dozen further ways that were counted none ended better.
+    the first way is met; the way that ends better is taken. Of a dozen further ways none ended better.
 
     Args:
         file: the law to begin with.
