@@ -157,12 +157,14 @@ class Diagnosed:
 
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""
-        slow = self.diagnosis.problem.observations.motion.slow
+        problem = self.diagnosis.problem
+        slow = problem.observations.motion.slow
+        nominal = () if problem.loops.time_measured else ("f",)
         return tuple(
             f"all tests are at one {condition}, {float(np.median(slow[name])):.3g} {unit}: what the law does at "
             "others, nothing here shows"
             for name, (condition, unit) in OF_A_MOTION.items()
-            if not varies(name, slow[name])
+            if not varies(name, slow[name]) and name not in nominal
         )
 
     def left_over(self) -> tuple[str, ...]:

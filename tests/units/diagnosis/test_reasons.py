@@ -82,3 +82,15 @@ def test_of_a_law_that_stays_it_is_told_where_it_is_farthest_off(verdict):
     found = Diagnosed(SimpleNamespace(verdict=verdict), SimpleNamespace(farthest_off=far))
     assert found.farthest_off() == ((far,) if verdict in ("complete", "unknown") else ())
     assert Diagnosed(found.diagnosis, SimpleNamespace(farthest_off="")).farthest_off() == ()
+
+
+@pytest.mark.parametrize(("time_measured", "conditions"), [(True, ["amplitude", "frequency"]), (False, ["amplitude"])])
+def test_no_frequency_is_missed_where_no_time_was_measured(time_measured, conditions):
+    """Of tests without a time it had been said that all are at 1 Hz, which is what a cycle counts for."""
+    slow = {"A": np.full((4, 1), 0.5), "f": np.full((4, 1), 1.0), "T": np.array([[293.0], [330.0], [360.0], [400.0]])}
+    problem = SimpleNamespace(
+        observations=SimpleNamespace(motion=SimpleNamespace(slow=slow)),
+        loops=SimpleNamespace(time_measured=time_measured),
+    )
+    told = Diagnosed(SimpleNamespace(problem=problem), SimpleNamespace()).untested()
+    assert [words.split(",")[0].removeprefix("all tests are at one ") for words in told] == conditions
