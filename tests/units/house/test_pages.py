@@ -32,7 +32,7 @@ COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 OF_ALL = {"--help", "--version", "--install-completion", "--show-completion"}
 OF_OTHERS = {
     "--keep-going", "--check", "--narrow", "--metrics", "--devices", "--discover", "--write", "--share", "--seed",
-    "--only", "--benchmark-only",
+    "--cases", "--only", "--benchmark-only",
 }  # fmt: skip
 """Options of scripts and other programs that pages name."""
 
