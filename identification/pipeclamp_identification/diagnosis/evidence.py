@@ -117,7 +117,7 @@ def lack_of_fit(
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
     # Of a sum of as many squares as there are freedoms.
-    error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
+    error = expected * np.sqrt(2 / wanted) / runs
     error[1:] /= 2
     # Mean forces may scatter by more than a loop's noise: of them counts what scatter can't have made.
     by_channel[0] = max(by_channel[0] - BY_CHANCE * error[0], min(by_channel[0], 0.0))

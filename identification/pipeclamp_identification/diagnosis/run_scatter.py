@@ -40,9 +40,8 @@ class RunScatter:
 
     def by_harmonics(self, directions: Directions) -> Array:
         """Give the force that one standard deviation makes of each but the mean, N, shape (3, R, m)."""
-        return np.stack(
-            [self.stiffness * directions.elastic, self.damping * directions.damping, self.zero_mm * directions.shifted]
-        )
+        each = np.array([self.stiffness, self.damping, self.zero_mm])
+        return np.asarray(each[:, None, None] * directions.all())
 
     def covariance(self, directions: Directions) -> Array:
         """Give the covariance of harmonics that all of them make, N2, shape (R, m, m)."""

@@ -59,7 +59,7 @@ def add_until_settled(
     way = climber.climb(file)
     assert way.settled is not None  # no other way came before
     first = way.settled
-    turn = _worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else None
+    turn = _turn_worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else None
     if turn is None:
         return first
     progress(f"another way: {turn.effect} in place of {turn.taken}")
@@ -69,7 +69,7 @@ def add_until_settled(
     return best
 
 
-def _worth_climbing(turns: Sequence[Turn], end: LawFile) -> Turn | None:
+def _turn_worth_climbing(turns: Sequence[Turn], end: LawFile) -> Turn | None:
     """Give the turn whose other effect comes nearest to what was taken; None where none is near.
 
     One that the end has all the same comes last: with it first, the way takes much the same in another order.
