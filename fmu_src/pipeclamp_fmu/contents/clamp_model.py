@@ -12,7 +12,7 @@ from pipeclamp_models.equations.symbols import REFERENCES, T_0
 from pipeclamp_models.law.file import FitQuality, HistoryStep
 from pipeclamp_models.realise.scalar_law import ScalarLaw, loaded
 
-TEMPERATURES = (1.0, 2000.0)
+TEMPERATURE_BOUNDS = (1.0, 2000.0)
 """min and max of temperatures, K: above absolute zero, and above what any steel stands."""
 
 
@@ -130,7 +130,7 @@ class ClampModel:
     @property
     def temperatures(self) -> Interval:
         """The temperatures at which the law may be used, K: all, where it was identified without any."""
-        return self.range_T or TEMPERATURES
+        return self.range_T or TEMPERATURE_BOUNDS
 
     @property
     def temperature(self) -> float:

@@ -17,7 +17,7 @@ from pipeclamp_models.realise.stepping import (
     parameter_symbols,
 )
 
-CYCLES = "firstCycle"
+FIRST_CYCLE = "firstCycle"
 """The clamp FMU's parameter for load cycles that it has seen."""
 
 G_CM3 = 1e-3
@@ -80,7 +80,7 @@ def condition_parameter(column: str, value: float) -> tuple[str, float]:
 
 def _parameter_name(column: str) -> str:
     """Give the name of the clamp FMU's parameter for a column of runs.csv."""
-    own = {"density_g_cm3": str(symbols.rho), "first_cycle": CYCLES}
+    own = {"density_g_cm3": str(symbols.rho), "first_cycle": FIRST_CYCLE}
     return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(CONDITION)}")
 
 
@@ -117,7 +117,7 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
     interval = _ends(file.range[key])
     if name == str(symbols.N):
         return FurtherCondition(
-            name=CYCLES,
+            name=FIRST_CYCLE,
             meaning="load cycles that the clamp has seen before the start",
             unit="1",
             display_unit="",

@@ -19,7 +19,7 @@ from pipeclamp_models.pipe.modes import ReducedPipe
 STEPS_PER_CYCLE = 20
 """Of the default experiment, at the highest frequency that the pipe keeps."""
 
-FARTHEST = 1.0
+FARTHEST_M = 1.0
 """min and max of displacements, m: beyond, a value is a mistake of units."""
 
 
@@ -69,22 +69,22 @@ def quantities(pipe: ReducedPipe) -> Mapping[str, Quantity]:
     relative = ", relative to the base" if pipe.excitation == "base" else ""
 
     def displacement(text: str) -> Quantity:
-        return Quantity(f"displacement{text}{relative}", "m", "mm", -FARTHEST, FARTHEST, s)
+        return Quantity(f"displacement{text}{relative}", "m", "mm", -FARTHEST_M, FARTHEST_M, s)
 
     def velocity(text: str) -> Quantity:
-        limit = FARTHEST * highest
+        limit = FARTHEST_M * highest
         return Quantity(f"velocity{text}{relative}", "m/s", "mm/s", -limit, limit, usual(lowest * s))
 
     def acceleration(text: str) -> Quantity:
-        limit = FARTHEST * highest**2
+        limit = FARTHEST_M * highest**2
         return Quantity(text, "m/s2", "", -limit, limit, usual(lowest**2 * s))
 
     def force(text: str) -> Quantity:
-        limit = FARTHEST * pipe.mass * highest**2
+        limit = FARTHEST_M * pipe.mass * highest**2
         return Quantity(text, "N", "", -limit, limit, usual(pipe.mass * lowest**2 * s))
 
     def energy(text: str) -> Quantity:
-        limit = pipe.mass * (FARTHEST * highest) ** 2
+        limit = pipe.mass * (FARTHEST_M * highest) ** 2
         return Quantity(text, "J", "", -limit, limit, usual(pipe.mass * (lowest * s) ** 2))
 
     described: dict[str, Quantity] = {

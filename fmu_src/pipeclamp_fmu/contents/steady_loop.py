@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pipeclamp_fmu.slaves.clamp import ClampSlave
 from pipeclamp_fmu.slaves.loading import instance_of
 
-SAMPLES = 200
+SAMPLES_PER_CYCLE = 200
 """Per cycle."""
 
 THIRD = 0.3
@@ -44,10 +44,10 @@ def steady_loop(module: str, values: str) -> Loop:
     slave.exit_initialization_mode()
     places = {variable.name: reference for reference, variable in slave.vars.items()}
     A, f = slave.get_real([places["A"], places["f"]])
-    h, omega = 1 / (f * SAMPLES), 2 * math.pi * f
+    h, omega = 1 / (f * SAMPLES_PER_CYCLE), 2 * math.pi * f
     rows = []
-    for index in range(2 * SAMPLES + 1):
-        theta = 2 * math.pi * index / SAMPLES
+    for index in range(2 * SAMPLES_PER_CYCLE + 1):
+        theta = 2 * math.pi * index / SAMPLES_PER_CYCLE
         s = A / (1 + THIRD) * (math.sin(theta) + THIRD * math.sin(3 * theta))
         v = A / (1 + THIRD) * omega * (math.cos(theta) + 3 * THIRD * math.cos(3 * theta)) * (index > 0)
         slave.set_real([places["flange.s"], places["flange.v"]], [s, v])

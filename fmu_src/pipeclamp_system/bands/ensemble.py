@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
@@ -26,14 +27,12 @@ from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import SystemDescription, read_system
 
-FEWEST = 32
+FEWEST_MEMBERS = 32
 """Members of an ensemble at least; two for each thing that isn't known."""
 MOST_FAILED = 0.1
 """Share of the members that may fail."""
 BENDS = 0.1
 """Share of a band's variance that its linear part doesn't explain, from which on that is said."""
-
-MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -116,7 +115,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     places, what = _unknown_of(description, path)
     names = [description.clamps[place].at for place in places]
     roots = what.roots()
-    drawn = even_normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
+    drawn = even_normal(max(FEWEST_MEMBERS, 2 * roots.shape[1]), roots.shape[1])
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
     at = [_conditions(result, places[index]) for index in range(len(places))]

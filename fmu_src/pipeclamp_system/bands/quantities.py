@@ -12,7 +12,7 @@ from scipy.special import ndtri
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.file import Shares
-from pipeclamp_system.bands.varied import SHARES, VariedLaw
+from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 
 Kind = Literal["parameters", "runs", "form", "solution"]
 KINDS: Mapping[Kind, str] = {
@@ -104,7 +104,10 @@ class Unknown:
             truncated: share of the motion in harmonics that the solver leaves out: the force may be off by as much.
         """
         law = self.laws[clamp]
-        form, lean = law.form(beyond, at), law.lean(at) if at is not None else dict.fromkeys(SHARES.values(), 0.0)
+        form, lean = (
+            law.form(beyond, at),
+            law.lean(at) if at is not None else dict.fromkeys(SHARE_OF_PARAMETER.values(), 0.0),
+        )
         shares = {
             "form": form,
             "runs": law.file.spread.runs if law.file.spread else form,
@@ -117,9 +120,9 @@ class Unknown:
             if quantity.kind == "parameters":
                 sizes[place] = 1.0
             elif quantity.lean:
-                sizes[place] = lean[SHARES[quantity.parameter]]
+                sizes[place] = lean[SHARE_OF_PARAMETER[quantity.parameter]]
             else:
-                sizes[place] = getattr(shares[quantity.kind], SHARES[quantity.parameter])
+                sizes[place] = getattr(shares[quantity.kind], SHARE_OF_PARAMETER[quantity.parameter])
         return sizes
 
     def changes(
@@ -150,7 +153,7 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -
         quantities += [Quantity("parameters", f"{name}: {one}", one, own) for one in law.names]
         blocks.append(law.covariance)
         further: list[Quantity] = []
-        for parameter, share in SHARES.items():
+        for parameter, share in SHARE_OF_PARAMETER.items():
             of_clamps = [(f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
             if law.file.spread is not None:
                 further.append(Quantity("form", f"{name}: {share}", parameter, own))
@@ -161,7 +164,10 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -
         blocks.append(np.eye(len(further)))
         if law.file.spread is not None and law.file.spread.local is not None:
             shown = "as tests near there show"
-            known = [Quantity("form", f"{name}: {share}, {shown}", one, own, True) for one, share in SHARES.items()]
+            known = [
+                Quantity("form", f"{name}: {share}, {shown}", one, own, True)
+                for one, share in SHARE_OF_PARAMETER.items()
+            ]
             quantities += known
             blocks.append(np.zeros((len(known), len(known))))
     return Unknown(laws, tuple(quantities), block_diag(*blocks) if blocks else np.zeros((0, 0)))

@@ -20,7 +20,7 @@ PIPE, EXCITATION = "pipe", "excitation"
 FLANGE = ("flange.s", "flange.v", "flange.f")
 UNITS = {"base": "m/s2", "force": "N"}
 
-MOST_SAMPLES = 200_000
+MOST_EXCITATION_SAMPLES = 200_000
 """Of the excitation, one a step, in its FMU."""
 
 
@@ -42,9 +42,10 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = lam
     folder = path.parent
     described = read_system(path)
     run = described.run
-    if run.steps > MOST_SAMPLES:
+    if run.steps > MOST_EXCITATION_SAMPLES:
         raise UserError(
-            f"{path}: run has {run.steps} steps; expected at most {MOST_SAMPLES}, as an SSP holds a sample for each"
+            f"{path}: run has {run.steps} steps; expected at most {MOST_EXCITATION_SAMPLES}, "
+            "as an SSP holds a sample for each"
         )
     with finished(described, folder, build) as description, tempfile.TemporaryDirectory(prefix="pipeclamp_") as scratch:
         pipe_fmu = folder / str(description.pipe.fmu)

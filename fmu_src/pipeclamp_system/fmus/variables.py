@@ -10,6 +10,7 @@ from typing import Any
 
 import fmpy
 
+from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_models.base.archive import opened_archive
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
@@ -30,7 +31,6 @@ Variables = Mapping[str, Variable]
 
 
 EXPECTED = "an FMU of FMI 2.0 for co-simulation"
-DESCRIPTION = "modelDescription.xml"
 IDENTIFIER = re.compile(r"\w{1,200}", re.ASCII)
 """A model's, which is the name of its library."""
 
@@ -42,8 +42,8 @@ def read_description(path: Path) -> Any:
         UserError: the file is no FMU of FMI 2.0 co-simulation.
     """
     with opened_archive(path, EXPECTED) as archive:
-        if DESCRIPTION not in archive.namelist():
-            raise UserError(f"{path}: holds no {DESCRIPTION}; expected {EXPECTED}")
+        if MODEL_DESCRIPTION not in archive.namelist():
+            raise UserError(f"{path}: holds no {MODEL_DESCRIPTION}; expected {EXPECTED}")
         try:
             # of the file that was looked at, which is open already
             description = fmpy.read_model_description(archive.fp)

@@ -17,7 +17,7 @@ from pipeclamp_system.steady.clamp import harmonics_of
 from pipeclamp_system.steady.continuation import Solution, Steps, between, follow
 from pipeclamp_system.steady.driven import DrivenPipe
 from pipeclamp_system.steady.floquet import growth
-from pipeclamp_system.steady.harmonics import DOUBTFUL, packed
+from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE, packed
 from pipeclamp_system.steady.in_time import Marched, Standing
 from pipeclamp_system.steady.start import begun
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range
@@ -28,11 +28,11 @@ OVER_FREQUENCY = Steps(widest=0.05)
 """Of a path over frequency: a resonance damped by 1 % stands out twentyfold so far from its frequency, as a share: in
 a longer step one that is small beside others could begin and end unseen."""
 
-APART, FINEST, MOST_IN_TIME = 0.04, 0.002, 120
+APART_SHARE, CLOSEST_SHARE, MOST_IN_TIME = 0.04, 0.002, 120
 """Frequencies that are marched lie so far apart, as a share, and half of that again where the response bends, down to
 the second; but no more are marched than these."""
 
-STRAIGHT, OTHER = 0.01, 0.05
+STRAIGHT_SHARE, OTHER = 0.01, 0.05
 """Share by which an amplitude may be off the straight line through its neighbours', and from which on it is that of
 another motion."""
 
@@ -109,7 +109,7 @@ class SteadySystem(DrivenPipe):
 
     def _sound(self, states: tuple[SteadyState, ...]) -> tuple[SteadyState, ...]:
         """Leave out where a path that was given up had strayed, at its end."""
-        while not self.stated_harmonics and states and states[-1].truncated > DOUBTFUL:
+        while not self.stated_harmonics and states and states[-1].truncated > DOUBTFUL_SHARE:
             states = states[:-1]
         return states
 
@@ -118,7 +118,7 @@ class SteadySystem(DrivenPipe):
 
         Those whose motion has no numbers are left out.
         """
-        count = min(MOST_IN_TIME // 2, 2 + ceil(abs(log(last / first)) / log(1 + APART)))
+        count = min(MOST_IN_TIME // 2, 2 + ceil(abs(log(last / first)) / log(1 + APART_SHARE)))
         found: list[Marched] = []
         for frequency in np.geomspace(first, last, count).tolist():
             one = self.marched(frequency, found[-1].end if found else begin)
@@ -157,9 +157,9 @@ class SteadySystem(DrivenPipe):
         for one, two, three in zip(found, found[1:], found[2:], strict=False):
             share = (two.frequency - one.frequency) / (three.frequency - one.frequency)
             straight = one.high + share * (three.high - one.high)
-            if np.any(np.abs(straight - two.high) > STRAIGHT * two.high):
+            if np.any(np.abs(straight - two.high) > STRAIGHT_SHARE * two.high):
                 for begin, end in ((one, two), (two, three)):
-                    if abs(log(end.frequency / begin.frequency)) > FINEST:
+                    if abs(log(end.frequency / begin.frequency)) > CLOSEST_SHARE:
                         bent[(begin.frequency + end.frequency) / 2] = begin
         return [(before, frequency) for frequency, before in bent.items()]
 

@@ -24,8 +24,8 @@ from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.continuation import Equation, Refinement
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
-    FEWEST,
-    SMALLEST,
+    FEWEST_HARMONICS,
+    SMALLEST_MOTION_MM,
     left_out,
     packed,
     resized,
@@ -35,10 +35,7 @@ from pipeclamp_system.steady.harmonics import (
 from pipeclamp_system.steady.in_time import InTime
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, Step, step_of
-from pipeclamp_system.steady.tangents import linearised
-
-NUDGE = 1e-5
-"""By which share of its size an unknown is moved for a derivative."""
+from pipeclamp_system.steady.tangents import NUDGE, linearised
 
 
 class DrivenPipe:
@@ -107,7 +104,7 @@ class DrivenPipe:
     @property
     def harmonics(self) -> int:
         """H that is begun with; where it is stated, that of all motions."""
-        return self.stated_harmonics or min(FEWEST, self.most_harmonics)
+        return self.stated_harmonics or min(FEWEST_HARMONICS, self.most_harmonics)
 
     @property
     def size(self) -> int:
@@ -248,7 +245,7 @@ class DrivenPipe:
 
     def sizes(self, unknowns: Array) -> Array:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
-        return np.asarray(np.maximum(SMALLEST, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
+        return np.asarray(np.maximum(SMALLEST_MOTION_MM, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
 
     def over_frequency(self) -> Equation:
         """Give the balance at the stated level of the excitation as an equation in unknowns and frequency."""

@@ -16,7 +16,7 @@ from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import plan_files
 from pipeclamp_identification.planning.loop_tests import RIG
 from pipeclamp_identification.planning.narrowing import BandPlan, plan_tests
-from pipeclamp_identification.planning.rig_times import HOURS, SCATTER
+from pipeclamp_identification.planning.rig_times import HOURS, SCATTER_BEFOREHAND
 from pipeclamp_models.base.files import write_folder
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.bundled import open_law
@@ -88,7 +88,7 @@ class PlannedCampaign(Shown):
 @one_thread()
 def plan_campaign(
     *, limits: str | None = None, hours: float = HOURS, law: PathOrName = "emwm2",
-    force_noise: float = RIG.force_noise, scatter: float = SCATTER,
+    force_noise: float = RIG.force_noise, scatter: float = SCATTER_BEFOREHAND,
 ) -> PlannedCampaign:  # fmt: skip
     """Plan the campaign that names the most and the smallest effects within its hours.
 

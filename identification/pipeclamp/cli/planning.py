@@ -22,7 +22,7 @@ from pipeclamp.cli.terminal import (
     spare,
     told,
 )
-from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes
+from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER_BEFOREHAND, RigTimes
 from pipeclamp_models.base.errors import UsageError
 
 app = typer.Typer()
@@ -51,7 +51,9 @@ def plan(
         float | None,
         typer.Option(help="Rms noise of the force, N; that of the law's tests, for a campaign 3 N by default."),
     ] = None,
-    scatter: Annotated[float, typer.Option(help="Rms share by which k and c differ from run to run.")] = SCATTER,
+    scatter: Annotated[
+        float, typer.Option(help="Rms share by which k and c differ from run to run.")
+    ] = SCATTER_BEFOREHAND,
     heating: Annotated[float, typer.Option(help="Heating and cooling, K per minute.")] = RIG_TIMES.heating,
     soak: Annotated[float, typer.Option(help="Minutes at a new temperature before a run.")] = RIG_TIMES.soak_min,
     pause: Annotated[float, typer.Option(help="Seconds between two runs.")] = RIG_TIMES.pause_s,

@@ -85,7 +85,7 @@ def _along_loop_section(comparison: Comparison) -> Section:
     picture = along_loop_picture(
         ErrorBars(bars.title, bars.axis, middles, bars.error, bars.scatter),
         loop,
-        breakdown.PLACES[0][2],
+        breakdown.LOOP_PLACES[0][2],
         "Along the loop; near the reversals shaded",
     )
     words = (

@@ -14,14 +14,15 @@ from pipeclamp.pages.page import MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.law.file import LawFile
 
 RUNG_WIDTH, WIDEST = 160, 1100
-"""px of a rung that holds a label of `LONGEST`, and of the picture from which on it is drawn so, however many rungs."""
+"""px of a rung that holds a label of `LONGEST_LABEL`, and of the picture from which on it is drawn so, however many
+rungs."""
 BESIDE, CHARACTER = 130, 7
 """px beside all rungs, and of a character."""
 OF_FORCE, OF_METRICS = "RMS error / % of rms force", "rms log ratio of dW and W / %"
 """What errors of records and of metrics alone are called."""
-LONGEST = 22
+LONGEST_LABEL = 22
 """Characters of a label beside others."""
-CLOSE = 3
+MOST_BARS_WITHOUT_UNIT = 3
 """Bars of a rung beside each other between whose numbers there is no room for the unit, which the axis has."""
 LINE_HEIGHT = 22
 """px, of a bar where rungs stand below each other."""
@@ -86,14 +87,14 @@ def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, 
 
 def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
     names = _names(rungs)
-    longest = min(LONGEST, (WIDEST - BESIDE) // (CHARACTER * max(len(rungs), 1)))
+    longest = min(LONGEST_LABEL, (WIDEST - BESIDE) // (CHARACTER * max(len(rungs), 1)))
     labels = [
         "<br>".join(
             [*(part for line in _name(index, rungs) for part in _wrapped(line, longest)), *_did(index, rungs, scatter)]
         )
         for index in range(len(rungs))
     ]
-    unit = " %" if len(names) < CLOSE else ""
+    unit = " %" if len(names) < MOST_BARS_WITHOUT_UNIT else ""
     figure = go.Figure(
         [
             go.Bar(

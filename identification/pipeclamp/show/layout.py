@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 RULED, PLAIN = (3, 1), (2, -2)
 """Characters that each column's borders take, and the whole table's: with rules, and with spaces alone."""
-SHORT = 4
+SHORTEST_APART = 4
 """Letters of a symbol or word, whose unit stays beside it in a header: "f / Hz"."""
 FOLDED = 12
 """Letters, into which a word of a sentence may be cut where nothing else lets a table fit."""
@@ -117,7 +117,7 @@ def _widths(
     header: Sequence[str], bodies: Sequence[Sequence[str]], numeric: Sequence[bool], room: int, *, cut: bool
 ) -> tuple[list[str], list[int]] | None:
     """Give the heads, units bound as far as there is room, and the columns' widths; names are cut only where told."""
-    bound, loose = [_unit_kept(head, SHORT) for head in header], [_unit_kept(head, 0) for head in header]
+    bound, loose = [_unit_kept(head, SHORTEST_APART) for head in header], [_unit_kept(head, 0) for head in header]
     columns = range(len(header))
     words = [_longest(word for text in body for word in text.split()) for body in bodies]
     parts = [_longest(part for text in body for word in text.split() for part in _parts(word)) for body in bodies]

@@ -21,7 +21,7 @@ from pipeclamp_models.law.law import Law
 
 ORDERS = 9
 """Harmonics that are shown: of most loops all that stand out of the scatter."""
-DIGITS = 6
+PICTURE_DIGITS = 6
 
 
 def run_picture(run: OneRun, laws: Mapping[str, Law]) -> dict[str, Any]:
@@ -93,4 +93,4 @@ def _conditions(run: OneRun) -> dict[str, Any]:
 
 
 def _numbers(values: Array) -> list[float]:
-    return [float(f"{value:.{DIGITS}g}") for value in values.tolist()]
+    return [float(f"{value:.{PICTURE_DIGITS}g}") for value in values.tolist()]

@@ -55,7 +55,7 @@ Endpoint = Callable[[Request], Response]
 
 def most_bytes(path: str) -> int:
     """Give the size that a request to a path may have."""
-    return uploads.MOST_BYTES if path.startswith("/uploads/") else MOST_ASKED
+    return uploads.MOST_UPLOAD_BYTES if path.startswith("/uploads/") else MOST_ASKED
 
 
 def application(desk: Desk) -> Starlette:

@@ -24,7 +24,7 @@ REVERSED = 0.1
 DELAYS = tuple((side * value,) for value in (1.0, 10.0) for side in (-1, 1))
 """ms."""
 LONGEST_DELAY = 100.0
-RATES = tuple((side * value,) for value in (0.01, 0.05) for side in (-1, 1))
+RATE_STARTS = tuple((side * value,) for value in (0.01, 0.05) for side in (-1, 1))
 MOST_RATE = log(2.0)
 SAME_UNIT = 0.03
 """Share within which a gain is that of two units."""
@@ -67,7 +67,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         )  # fmt: skip
     yield Suspect(
         id="frequency_axis", side=SIDE, kind="the frequency axis", words="the frequency axis (the sampling rate)",
-        change=_stretched, told=_rate_words, starts=RATES, lower=(-MOST_RATE,), upper=(MOST_RATE,),
+        change=_stretched, told=_rate_words, starts=RATE_STARTS, lower=(-MOST_RATE,), upper=(MOST_RATE,),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from pipeclamp_models.pipe.description import MaterialTable, PipeDescription, Pl
 from pipeclamp_models.pipe.materials import COLD
 from pipeclamp_models.pipe.section import section_of
 
-MOVES = (0.02, 0.1)
+POSITION_SHARES = (0.02, 0.1)
 """Shares of the pipe's length by which a position may be wrong, at which a search begins."""
 WARMER = (10.0, 50.0)
 """K, likewise."""
@@ -54,7 +54,7 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
 
 def moves(position: float, length: float) -> Search:
     """Give starts and bounds of a displacement (m) of something at a position on a pipe of some length."""
-    steps = (side * share * length for share in MOVES for side in (-1, 1))
+    steps = (side * share * length for share in POSITION_SHARES for side in (-1, 1))
     inside = tuple((step,) for step in steps if 0 < position + step < length)
     return Search(inside, (-position,), (length - position,))
 

@@ -19,9 +19,9 @@ from pipeclamp_models.base.arrays import Array, IntArray
 
 HOPEFUL = 6
 """Suspects that pairs are made of, each with all others."""
-FEWEST, MOST = 5, 12
+FEWEST_PAIRS, MOST_PAIRS = 5, 12
 """Pairs that are refitted: so many at least, and all that promise as much, up to so many."""
-STARTS = 2
+STARTS_OF_A_PAIR = 2
 """Of each pair that are followed: the valleys of a position, and the two suspects as the first one."""
 
 
@@ -67,11 +67,11 @@ def refitted_pairs(task: Task, promised: Sequence[PromisedPair], reach: float) -
     for pair in promised:
         own = chosen.get(pair.ids)
         if own is None:
-            full = len(chosen) >= FEWEST and pair.squared > promised[0].squared + reach
-            if full or len(chosen) >= MOST:
+            full = len(chosen) >= FEWEST_PAIRS and pair.squared > promised[0].squared + reach
+            if full or len(chosen) >= MOST_PAIRS:
                 continue
             own = chosen[pair.ids] = []
-        if len(own) < STARTS:
+        if len(own) < STARTS_OF_A_PAIR:
             own.append(pair.start)
     best: dict[frozenset[str], Refit] = {}
     for one in refit(task, [start for starts in chosen.values() for start in starts]):

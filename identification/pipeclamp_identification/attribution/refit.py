@@ -15,12 +15,12 @@ from pipeclamp_models.base.arrays import Array
 
 NUDGE = 3e-3
 """Of a parameter's smallest start, or of itself: by so much it is moved for a derivative."""
-SETTLED = 1e-3
+WORTH_GAINING = 1e-3
 """A refit is done when no more than this share of the squared error, or of the noise's, is to be gained."""
 MOST_EVALUATIONS = 25
-CLOSE = 0.15
+CLOSE_RMS = 0.15
 """Rms of the coarse residual below which the model as stated is a good enough start."""
-ROUGHLY = 0.02
+ROUGH_GAIN = 0.02
 MOST_ROUGH = 8
 """Likewise, of the first approach on the coarse residual."""
 
@@ -101,8 +101,8 @@ def changed(model: CoupledModel, suspects: Sequence[Suspect], values: Values) ->
 
 def refit(task: Task, starts: Sequence[Start], most: Sequence[int] | int = MOST_EVALUATIONS) -> list[Refit]:
     """Refit from each start, all in lock step, in so many evaluations at most."""
-    negligible = SETTLED * task.residual(task.stated).size
-    found = _fitted(task, starts, task.residual, (SETTLED, negligible), most)
+    negligible = WORTH_GAINING * task.residual(task.stated).size
+    found = _fitted(task, starts, task.residual, (WORTH_GAINING, negligible), most)
     return [
         Refit(start.suspects, tuple(one.values.tolist()), one.state, one.residual, one.jacobian)
         for start, one in zip(starts, found, strict=True)
@@ -118,7 +118,7 @@ def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
     """
     coarse = task.coarse_residual(task.stated)
     least = float(coarse @ coarse)
-    near_enough = least < CLOSE**2 * coarse.size
+    near_enough = least < CLOSE_RMS**2 * coarse.size
     stated = [Start((suspect,), suspect.neutral, task.stated) for suspect in suspects]
     open_ones = [
         index
@@ -147,7 +147,7 @@ def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
     if near_enough:
         return [best[index][1] if index in best else start for index, start in enumerate(stated)]
     begun = [start for _, start in best.values()]
-    rough = _fitted(task, begun, task.coarse_residual, (ROUGHLY, 0.0), MOST_ROUGH)
+    rough = _fitted(task, begun, task.coarse_residual, (ROUGH_GAIN, 0.0), MOST_ROUGH)
     for index, start, found in zip(best, begun, rough, strict=True):
         stated[index] = Start(start.suspects, tuple(found.values.tolist()), found.state)
     return stated

@@ -38,7 +38,7 @@ from pipeclamp_models.law.file import Kind
 
 Verdict = Literal["complete", "wrong", "ambiguous", "unknown"]
 
-FEWEST = 20
+FEWEST_VALUES = 20
 """Measured values, an amplitude and a phase being two, of which it can be asked what is wrong."""
 BLOCKS = 10
 """Parts of neighbouring frequencies that are left out in turn."""
@@ -69,7 +69,7 @@ EXPLAINED_SQUARES_SHARE = 0.7
 """Share of the squared misfit that a suspect must take away to be named although more than noise is left."""
 PLAIN_SQUARES_SHARE = 0.9
 """Likewise, of one that is named as a part although all together leave clearly less."""
-NEAR = 30.0
+NEAR_IN_SQUARES = 30.0
 """Suspects that leave more squares than this times the best one's are not refitted once the noise is known."""
 
 
@@ -166,7 +166,7 @@ def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribu
         tell: told what is being done.
     """
     task = stated_task(compared)
-    if as_stated(task).residual.size < FEWEST:
+    if as_stated(task).residual.size < FEWEST_VALUES:
         return None
     suspects = suspects_of(compared.model, compared.description)
     tell("refit each parameter alone")
@@ -244,7 +244,7 @@ def _limits(task: Task, refits: Iterable[Refit]) -> list[int]:
     squares = [float(residual @ residual) for residual in residuals]
     least = min(squares)
     return [
-        MOST_EVALUATIONS if squared < NEAR * max(least, residual.size) else 1
+        MOST_EVALUATIONS if squared < NEAR_IN_SQUARES * max(least, residual.size) else 1
         for squared, residual in zip(squares, residuals, strict=True)
     ]
 

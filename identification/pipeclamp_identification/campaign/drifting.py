@@ -33,12 +33,12 @@ GAIN_SHARE = 0.02
 """A gain that moves by less is within what clamps do in a test by themselves."""
 POOLED_FREEDOMS = 4.0
 """The weight, in degrees of freedom, of the scatter of all runs as a first estimate of each run's own."""
-GOES_ON = 0.3
+GOES_ON_SHARE = 0.3
 """A drift goes on: its later half is this share of its earlier one at least. What dies away is the clamp's memory of
 the test's beginning."""
-FOLLOWED = 0.3
+FOLLOWED_SHARE = 0.3
 """A quantity that moves by less than this share of what another would make of it doesn't follow that."""
-ALONE = 0.5
+BY_ITSELF_SHARE = 0.5
 """A mean force has moved by itself where the mean position makes less than about half of its change: what positions do
 is known roughly, by the loop's stiffness."""
 MOTION_STAYS = 0.25
@@ -57,11 +57,11 @@ MEAN_OF_LOOP = 0.5
 """A loop that changes takes its mean along, by so much of its change where its halves are as unequal as clamps are."""
 SAME_WAY, FEWEST_ALIKE = 0.9, 6
 """Runs drift together where this share of so many at least drifts one way."""
-FEWEST_CYCLES = 3
+FEWEST_CYCLES_THAT_DRIFT = 3
 OWN_SHARE = 0.2
 """Share of the order's own variance that the conditions must leave: a plan that was run in the order of its conditions
 can't tell a drift from them."""
-MOST_LEFT_OUT = 0.5
+LEFT_OUT_SHARE = 0.5
 """If more than this share of the runs shows a falling gain, they are kept: nothing would be left to judge by."""
 
 
@@ -157,7 +157,7 @@ def drifting(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
 
 
 def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
-    long = [run for run in runs if len(run.by_cycle.force) >= FEWEST_CYCLES]
+    long = [run for run in runs if len(run.by_cycle.force) >= FEWEST_CYCLES_THAT_DRIFT]
     if not long:
         return {}
     series = []
@@ -231,7 +231,7 @@ def _goes_on(values: Array) -> bool:
     """Tell whether a drift goes on in the later half of its cycles as in the earlier one."""
     half = (len(values) + 1) // 2
     early, late = float(values[half - 1] - values[0]), float(values[-1] - values[-half])
-    return late * early > 0 and abs(late) >= GOES_ON * abs(early)
+    return late * early > 0 and abs(late) >= GOES_ON_SHARE * abs(early)
 
 
 Found = dict[str, Change]
@@ -244,7 +244,7 @@ def _force_zeros(found: Mapping[str, InRecord]) -> Found:
     for run, one in found.items():
         followed = one.stiffness_share * one.mean_displacement.size
         size = abs(one.mean_force.size)
-        alone = abs(one.mean_force.size - followed) > ALONE * size and size > MEAN_OF_LOOP * one.loop
+        alone = abs(one.mean_force.size - followed) > BY_ITSELF_SHARE * size and size > MEAN_OF_LOOP * one.loop
         if alone and (every or (one.goes_on[0] and one.mean_force.is_real(len(found), ZERO_SHARE))):
             drifts[run] = one.mean_force
     return drifts
@@ -271,7 +271,7 @@ def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
     for run, one in found.items():
         force = abs(one.stiffness_share * one.mean_displacement.size)
         seen = force > SEEN_STANDARD_ERRORS * one.mean_force.error
-        stays = abs(one.mean_force.size) < FOLLOWED * force
+        stays = abs(one.mean_force.size) < FOLLOWED_SHARE * force
         real = one.goes_on[1] and one.mean_displacement.is_real(len(found), ZERO_SHARE)
         if (every or real) and seen is told and (stays or not told):
             drifts[run] = one.mean_displacement
@@ -307,7 +307,7 @@ def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) 
     drifts = {}
     for run, one in found.items():
         force = abs(exponent * one.amplitude.size)
-        seen = force > SEEN_STANDARD_ERRORS * one.force.error and abs(one.force.size) < FOLLOWED * force
+        seen = force > SEEN_STANDARD_ERRORS * one.force.error and abs(one.force.size) < FOLLOWED_SHARE * force
         if one.amplitude.is_real(len(found), GAIN_SHARE) and seen:
             drifts[run] = one.amplitude
     return drifts
@@ -329,7 +329,7 @@ def _fault(
     """Put the runs that show a drift into one fault, sizes in its unit."""
     if not drifts:
         return None
-    if done == "left out" and len(drifts) > MOST_LEFT_OUT * len(runs):
+    if done == "left out" and len(drifts) > LEFT_OUT_SHARE * len(runs):
         done = "kept"
     place = 0 if channel == "displacement" else 1
     scale = {run.name: run.amplitudes[place] if kind == "zero_drift" else 1.0 for run in runs}

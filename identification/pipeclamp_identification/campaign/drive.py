@@ -28,9 +28,9 @@ FULL_CYCLES = 6
 """At full amplitude: one in which the clamp settles, and five to measure."""
 SAMPLES_PER_TONE = 128
 """Samples in a cycle of the fastest tone: straight lines between them miss its peak by 0.03 %."""
-FINER = 8
+TIMES_POINTS = 8
 """Times as many points, at which peaks of a motion are sought; every sample is one of them."""
-AT_REST = 0.01
+REST_SHARE = 0.01
 """A drive begins at most this share of its largest displacement away from 0: clamps begin at rest."""
 WEAKEST_TONE = 0.02
 """Lines of a drive's spectrum below this share of its strongest line are no tones."""
@@ -99,12 +99,12 @@ class Profile:
     @cached_property
     def peak_displacement(self) -> float:
         """The largest displacement of a whole drive over the amplitude of its fundamental."""
-        return float(np.max(np.abs(self.unit_drive(FINER)[0])))
+        return float(np.max(np.abs(self.unit_drive(TIMES_POINTS)[0])))
 
     @cached_property
     def peak_velocity(self) -> float:
         """The largest velocity of a whole drive, its growing and fading included, over A f."""
-        return float(np.max(np.abs(self.unit_drive(FINER)[1])))
+        return float(np.max(np.abs(self.unit_drive(TIMES_POINTS)[1])))
 
     def unit_drive(self, finer: int = 1) -> Motion3:
         """Give the whole drive of 1 mm and 1 Hz, at so many times the samples of its signal, shape (n,)."""
@@ -232,7 +232,7 @@ def read_drive(path: Path) -> Drive:
         row = uneven[0] + 3 if len(uneven) else 3
         raise UserError(f"{path}, row {row}: a step of {step[row - 3]:g} s in time; expected equal steps above 0")
     largest = float(np.max(np.abs(y)))
-    if largest == 0.0 or abs(y[0]) > AT_REST * largest:
+    if largest == 0.0 or abs(y[0]) > REST_SHARE * largest:
         raise UserError(
             f"{path}, row 2: begins at {y[0]:g} mm of {largest:g} mm; expected a drive that begins at "
             "0 mm, as the clamp is at rest then"

@@ -15,7 +15,7 @@ Channel = Literal["force", "displacement"]
 FaultKind = Literal["clipped", "stuck", "dead", "zero_drift", "gain_drift"]
 Done = Literal["left out", "corrected", "kept"]
 
-MOST_NAMED = 4
+MOST_RUNS_NAMED = 4
 """Runs that a sentence names one by one."""
 NEEDS = {
     "clipped": "to do: repeat them within the sensor's range, or with a larger one",
@@ -91,5 +91,5 @@ def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[S
 
 def named(runs: Sequence[str]) -> str:
     """Name runs, a few of many."""
-    more = f" and {len(runs) - MOST_NAMED} more" if len(runs) > MOST_NAMED else ""
-    return ", ".join(runs[:MOST_NAMED]) + more
+    more = f" and {len(runs) - MOST_RUNS_NAMED} more" if len(runs) > MOST_RUNS_NAMED else ""
+    return ", ".join(runs[:MOST_RUNS_NAMED]) + more

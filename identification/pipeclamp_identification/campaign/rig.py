@@ -32,7 +32,7 @@ SUBSTEPS = 4
 """Steps of the truth between two samples, so that states follow reversals that fall between samples."""
 
 
-MOST_SAMPLES = 10_000_000
+MOST_SAMPLES_AT_A_FREQUENCY = 10_000_000
 """More at one frequency don't fit into the memory of a small machine."""
 
 
@@ -133,10 +133,11 @@ class TestPlan:
             raise UsageError(f"test plan: {self.repeats} repeats; expected at least 1")
         longest = self.drive.duration_s if self.drive else (self.cycles + self.ramp_cycles) / min(self.frequencies)
         samples = longest * self.rate
-        if not samples * len(self.amplitudes) * len(self.temperatures) * self.repeats <= MOST_SAMPLES:
+        if not samples * len(self.amplitudes) * len(self.temperatures) * self.repeats <= MOST_SAMPLES_AT_A_FREQUENCY:
             raise UsageError(
                 f"test plan: {samples:.3g} samples per record at {min(self.frequencies):g} Hz; expected at most "
-                f"{MOST_SAMPLES:.0e} at one frequency over all amplitudes and temperatures: fewer cycles, a lower rate"
+                f"{MOST_SAMPLES_AT_A_FREQUENCY:.0e} at one frequency over all amplitudes and temperatures: "
+                "fewer cycles, a lower rate"
             )
         if self.riding_order < 2:
             raise UsageError(f"test plan: riding_order is {self.riding_order}; expected a whole number above 1")

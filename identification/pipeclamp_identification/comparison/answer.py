@@ -11,7 +11,7 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.comparison import breakdown, free_breakdown
-from pipeclamp_identification.comparison.breakdown import BRANCHES, PLACES, Breakdown, Part, phase_edges, place_of
+from pipeclamp_identification.comparison.breakdown import BRANCHES, LOOP_PLACES, Breakdown, Part, phase_edges, place_of
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
 from pipeclamp_identification.comparison.concentration import Region, region
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples
@@ -284,6 +284,6 @@ def _phases(phases: Breakdown) -> tuple[PhaseAnswer, ...]:
         place, branch = place_of(index)
         begin, end = phase_edges(index)
         found.append(
-            PhaseAnswer(**vars(part), from_deg=begin, to_deg=end, place=PLACES[place][0], branch=BRANCHES[branch])
+            PhaseAnswer(**vars(part), from_deg=begin, to_deg=end, place=LOOP_PLACES[place][0], branch=BRANCHES[branch])
         )
     return tuple(found)

@@ -16,13 +16,13 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.sums import RunSums
-from pipeclamp_identification.loops.loops import HARMONICS, Loops
+from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.levels import Level, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.units import CELSIUS
 
-PLACES = (
+LOOP_PLACES = (
     ("just after the reversal", 0.0, 30.0),
     ("between reversal and middle", 30.0, 75.0),
     ("through the middle", 75.0, 105.0),
@@ -33,7 +33,7 @@ PLACES = (
 13 % of the displacement."""
 BRANCHES = ("unloading", "loading")
 """The displacement falls from its largest value, then rises again."""
-MOST_CYCLES = 12
+MOST_CYCLES_SINGLY = 12
 """More cycles than this are grouped."""
 SAME_SHARE = 0.06
 SAME_TEMPERATURE_K = 3.0
@@ -182,10 +182,10 @@ def phase_edges(index: int) -> tuple[float, float]:
 
 
 def place_of(index: int) -> tuple[int, int]:
-    """Give the place (of PLACES) and the branch (of BRANCHES) in which a part of the cycle lies."""
+    """Give the place (of LOOP_PLACES) and the branch (of BRANCHES) in which a part of the cycle lies."""
     middle = sum(phase_edges(index)) / 2
     since = middle % 180.0
-    return next(place for place, (_, _, end) in enumerate(PLACES) if since < end), int(middle // 180.0)
+    return next(place for place, (_, _, end) in enumerate(LOOP_PLACES) if since < end), int(middle // 180.0)
 
 
 def excess_table(sums: Sequence[RunSums]) -> tuple[Array, Array]:
@@ -204,8 +204,8 @@ def along_loop(sums: Sequence[RunSums]) -> Breakdown:
 
 def by_place(sums: Sequence[RunSums]) -> Breakdown:
     """Break the error down by place between turning points and by branch."""
-    labels = [f"{place}, {branch}" for branch in BRANCHES for place, *_ in PLACES]
-    places = [place + len(PLACES) * branch for place, branch in map(place_of, range(PHASE_BINS))]
+    labels = [f"{place}, {branch}" for branch in BRANCHES for place, *_ in LOOP_PLACES]
+    places = [place + len(LOOP_PLACES) * branch for place, branch in map(place_of, range(PHASE_BINS))]
     return Breakdown("place in the loop", _phase_parts(sums, labels, places))
 
 
@@ -229,8 +229,8 @@ def by_harmonic(sums: Sequence[RunSums]) -> Breakdown:
 
     What the harmonics leave, higher ones and what doesn't repeat with the cycle, is the last part.
     """
-    error = np.zeros((HARMONICS + 1, 2))
-    scatter = np.zeros((HARMONICS + 1, 2))
+    error = np.zeros((HIGHEST_HARMONIC + 1, 2))
+    scatter = np.zeros((HIGHEST_HARMONIC + 1, 2))
     for run in sums:
         carried = slice(0, run.harmonics.shape[1])
         error[carried] += run.samples * _mean_squares(run.harmonics)
@@ -246,7 +246,7 @@ def by_harmonic(sums: Sequence[RunSums]) -> Breakdown:
     # in records with gaps the harmonics are not quite orthogonal, and can hold more than the whole
     in_harmonics *= min(1.0, whole / max(float(np.sum(in_harmonics)), 1e-300))
     labels = ["mean force"]
-    for order in range(1, HARMONICS + 1):
+    for order in range(1, HIGHEST_HARMONIC + 1):
         labels += [f"harmonic {order} in phase", f"harmonic {order} in quadrature"]
     labels.append("higher harmonics, or not periodic")
     rest = max(whole - float(np.sum(in_harmonics)), 0.0)  # round-off may make it negative
@@ -271,9 +271,9 @@ def squared_harmonics(sums: Sequence[RunSums], loops: Loops) -> tuple[Array, Arr
         loops: the same runs.
 
     Returns:
-        N2, shape (HARMONICS + 1, 2) each.
+        N2, shape (HIGHEST_HARMONIC + 1, 2) each.
     """
-    measured, computed = np.zeros((HARMONICS + 1, 2)), np.zeros((HARMONICS + 1, 2))
+    measured, computed = np.zeros((HIGHEST_HARMONIC + 1, 2)), np.zeros((HIGHEST_HARMONIC + 1, 2))
     for run, force in zip(sums, loops.force_per_cycle, strict=True):
         carried = run.harmonics.shape[1]
         for square, harmonics in ((measured, force[:, :carried]), (computed, force[:, :carried] - run.harmonics)):
@@ -291,7 +291,7 @@ def _mean_squares(harmonics: ComplexArray) -> Array:
 def cycle_edges(sums: Sequence[RunSums]) -> list[int]:
     """Give where groups of cycles begin, and where the last one ends, counted from 0 within the record."""
     longest = max(len(run.by_cycle) for run in sums)
-    return sorted({round(edge) for edge in np.linspace(0, longest, min(longest, MOST_CYCLES) + 1)})
+    return sorted({round(edge) for edge in np.linspace(0, longest, min(longest, MOST_CYCLES_SINGLY) + 1)})
 
 
 def along_cycles(sums: Sequence[RunSums]) -> Breakdown:

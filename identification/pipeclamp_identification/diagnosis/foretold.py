@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.noise import UNSEEN
+from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.observations import mean_squares_of
@@ -31,7 +31,7 @@ class Foretold:
 
 def foretold(judged: Judged, problem: Problem) -> Foretold:
     """Say how much a law errs on left-out (A, f) groups beyond scatter."""
-    variance = np.where(problem.noise.variance < UNSEEN, problem.noise.total_variance(), 0.0)
+    variance = np.where(problem.noise.variance < UNSEEN_VARIANCE, problem.noise.total_variance(), 0.0)
     scatter = mean_squares_of(np.sqrt(variance))
     return beyond_scatter(judged.score.mean_squares - scatter, problem.groups, problem.loops.scatter_rms_N)
 

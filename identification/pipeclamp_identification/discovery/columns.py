@@ -24,9 +24,9 @@ from pipeclamp_models.realise.force import LawForce, force_of_law
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import data_sizes, number_of
 
-MOST_CYCLES = 12
+MOST_SETTLING_CYCLES = 12
 """Cycles after which an element is taken for settled: one that slips is after one, one that relaxes slowly is not."""
-SETTLED = 1e-3
+SETTLED_SHARE = 1e-3
 """Share of its largest state by which it may still change from cycle to cycle."""
 PROBE = "found_scaled"
 
@@ -169,13 +169,13 @@ class Evaluation:
         }
         now = np.zeros(len(self.motion.y))
         trajectory = np.empty_like(self.motion.y)
-        for _ in range(MOST_CYCLES):
+        for _ in range(MOST_SETTLING_CYCLES):
             before = now
             for place in range(trajectory.shape[1]):
                 here = {key: value[:, place] for key, value in moving.items()}
                 now = np.asarray(update(**still, **here, **values, **{name: now}), dtype=np.float64)
                 trajectory[:, place] = now
-            if np.max(np.abs(now - before)) <= SETTLED * np.max(np.abs(trajectory)):
+            if np.max(np.abs(now - before)) <= SETTLED_SHARE * np.max(np.abs(trajectory)):
                 break
         return {name: trajectory}
 

@@ -22,7 +22,7 @@ from pipeclamp_identification.diagnosis.problem import (
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
 from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns, beside_another_law
-from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
+from pipeclamp_identification.discovery.grammar import FOLLOWED_CONDITIONS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
@@ -322,7 +322,7 @@ def _weighed(structure: Structure, loops: Loops, start: Mapping[str, float]) -> 
 def _varied(problem: Problem) -> tuple[Sequence[str], Mapping[str, float]]:
     """Give what varies over the tests: of A, f, T and N, and further columns with their largest magnitude."""
     slow = problem.observations.motion.slow
-    names = [name for name in LEVELS if name in slow and varies(name, slow[name])]
+    names = [name for name in FOLLOWED_CONDITIONS if name in slow and varies(name, slow[name])]
     conditions = {
         name: float(np.max(np.abs(values)))
         for name, values in problem.loops.conditions.items()

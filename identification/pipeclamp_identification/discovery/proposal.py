@@ -19,7 +19,7 @@ from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.range import rounded
 
-DIGITS = 4
+COEFFICIENT_DIGITS = 4
 
 
 class GuardAnswer(AnswerModel):

@@ -29,9 +29,9 @@ MOST_REFINED = 3
 """Terms, best first, of which refined forms are tried: what is missing may be a number of one that does worse."""
 MOST_JOINED = 6
 """Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
-ALONE = ("more than chance", "comes back")
+GUARDS_IN_PLACE = ("more than chance", "comes back")
 """What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are."""
-BESIDE = (*ALONE, "confirmed")
+GUARDS_BESIDE = (*GUARDS_IN_PLACE, "confirmed")
 """And beside all of them: with a part of it missing it may foretell the edges badly, and effects may do as well."""
 
 Form: TypeAlias = tuple[Term, Sequence[Mapping[str, float]]]
@@ -63,7 +63,7 @@ class Refining:
             best: the same, fitted together with the law.
             hearing: what it was asked with.
         """
-        needed = ALONE if found.gone else BESIDE
+        needed = GUARDS_IN_PLACE if found.gone else GUARDS_BESIDE
         if any(not guard.passed for guard in found.guards if guard.name in needed):
             return found
         plain, asked = found, hearing

@@ -25,7 +25,7 @@ from pipeclamp_models.realise.force import LawForce
 Quantity = Literal["stiffness", "damping", "mean_force"]
 QUANTITIES: tuple[Quantity, ...] = ("stiffness", "damping", "mean_force")
 
-BY_CHANCE = 1e-3
+CHANCE_SHARE = 1e-3
 """Groups that differ so much by chance, over all columns and quantities, less often than this do differ."""
 MATERIAL_SHARE = 5e-4
 """Groups whose factors spread by less than this share (of the force, for mean forces) don't matter: few load cells are
@@ -271,7 +271,7 @@ def _groups_of(
         fixed = conditions.basis(lines)
     if conditions.count - fixed.shape[1] - _rank(member, fixed) < FEWEST_FREE:
         return None
-    limit = BY_CHANCE / (tried * len(QUANTITIES))
+    limit = CHANCE_SHARE / (tried * len(QUANTITIES))
     known = {quantity: values for quantity, values in runs.quantities.items() if _tells(values, fixed, labels, names)}
     labels, strangers = _at_home(labels, names, known, fixed, runs.names, limit)
     member = _member(labels, names)

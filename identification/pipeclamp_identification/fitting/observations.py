@@ -23,9 +23,9 @@ from pipeclamp_models.realise.sizes import data_sizes
 
 FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
-SAMPLES = 512
+SAMPLES_PER_CYCLE = 512
 """Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
-FEWEST_SAMPLES = 64
+FEWEST_SAMPLES_PER_CYCLE = 64
 """Points at least, so that they show the harmonics."""
 GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
@@ -212,7 +212,7 @@ class LoopObservations:
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
 
 
-def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
+def loop_motion(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> Motion:
     """Give the measured motions of loops over one cycle, for laws to be evaluated on.
 
     Further conditions are named as in the campaign.
@@ -262,7 +262,7 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
     return temperature
 
 
-def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
+def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObservations:
     """Give the harmonics of loops as observations, in units of their scatter; laws are evaluated at so many points."""
     harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
     harmonics[:, 0] = loops.force[:, 0].real
@@ -270,21 +270,21 @@ def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
     harmonics[:, 2::2] = loops.force[:, 1:].imag
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
-    amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
+    amplitude = np.ptp(on_grid(loops.force, SAMPLES_PER_CYCLE), axis=1) / 2
     return LoopObservations(loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples))
 
 
 def points_enough(loops: Loops) -> int:
-    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES` at most."""
-    points = 2 * FEWEST_SAMPLES
-    while points < SAMPLES and not GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse:
+    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES_PER_CYCLE` at most."""
+    points = 2 * FEWEST_SAMPLES_PER_CYCLE
+    while points < SAMPLES_PER_CYCLE and not GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse:
         points *= 2
     return points
 
 
 def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
     """Give loops at a quarter of the points, for fits that only lead near."""
-    return loop_observations(loops, max(FEWEST_SAMPLES, observations.motion.y.shape[1] // 4))
+    return loop_observations(loops, max(FEWEST_SAMPLES_PER_CYCLE, observations.motion.y.shape[1] // 4))
 
 
 def data_scales(observations: Observations) -> Sizes:

@@ -18,7 +18,7 @@ from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.threads import in_threads
 
-HARMONICS = 20
+HIGHEST_HARMONIC = 20
 """H, the highest harmonic that is kept."""
 PRELOADED = 0.8
 """Share of the squared force that mean forces hold, above which most of it is a constant load: their rms is twice
@@ -119,7 +119,7 @@ def loops_of(campaign: Campaign) -> Loops:
 
     def rows(drift_by_chance: float) -> list[Loop]:
         def row(run: Run) -> Loop:
-            return loop_of(run, campaign.condition_columns, HARMONICS, average, drift_by_chance)
+            return loop_of(run, campaign.condition_columns, HIGHEST_HARMONIC, average, drift_by_chance)
 
         return in_threads(row, campaign.runs, size)
 

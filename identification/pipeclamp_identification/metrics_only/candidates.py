@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from pipeclamp_identification.diagnosis.screen import candidate_names
-from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign
 from pipeclamp_identification.metrics_only.evidence import (
     EXPECTED_FREEDOMS,
     MetricJudged,
@@ -33,7 +33,7 @@ from pipeclamp_models.law.law import Structure, with_effect
 ON_THE_WAY = 4
 """Of the effects that promise most, so many that don't imitate each other are fitted for each further step to the
 richest law."""
-LONGEST = 3
+MOST_ADDED = 3
 """Effects that are added on the way to the richest law, at most."""
 
 
@@ -108,7 +108,7 @@ def unlike(effects: Iterable[Effect]) -> list[str]:
 
 def _lacks(judged: MetricJudged, observations: MetricObservations, smooth: Array) -> bool:
     """Tell whether a law leaves more than the scatter that was expected."""
-    return chance_of_lack(judged, observations, smooth, SCATTER) < REAL_CHANCE
+    return chance_of_lack(judged, observations, smooth, SCATTER_BEFOREHAND) < REAL_CHANCE
 
 
 def _from_another_valley(
@@ -154,9 +154,9 @@ def _richest(
     Where what may be the cause leaves more than scatter, also what may take a part only. Two that come together are
     added where they take half, or more, of what the best one alone would leave.
     """
-    expected = Scatter(np.full(2, SCATTER), np.full(2, EXPECTED_FREEDOMS))
+    expected = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
     richest = law
-    while len(richest.effects) < LONGEST:
+    while len(richest.effects) < MOST_ADDED:
         supported = partial(_supported, richest=richest, expected=expected)
         usable = list(filter(supported, fitted))
         sound = [judged for judged in usable if judged.may_be_cause]

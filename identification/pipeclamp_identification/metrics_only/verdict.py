@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
-from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.candidates import by_score, candidates_of, unlike
 from pipeclamp_identification.metrics_only.evidence import (
     LeftOutErrors,
@@ -163,7 +163,7 @@ def diagnose_metrics(
     coarse = metric_observations(campaign, samples=COARSE_SAMPLES)
     smooth = _smooth(campaign, coarse)
     fitted = candidates_of(structure, campaign, coarse, smooth, tell)
-    scatter = scatter_of(fitted.richest, coarse, SCATTER)
+    scatter = scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
     again = partial(_again, observations=observations)
@@ -171,7 +171,10 @@ def diagnose_metrics(
     alone, together = (sorted(map(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
     chances = _chances(law, alone, together, fitted.looks, scatter)
     hidden = _hidden(fitted.looks, together, chances)
-    lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
+    lack = (
+        chance_of_lack(law, observations, smooth, SCATTER_BEFOREHAND),
+        chance_of_lack(richest, observations, smooth, SCATTER_BEFOREHAND),
+    )
     heldout = LeftOutErrors(observations, tell)
     scales = MetricScales(law, richest, alone, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)

@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     RIVAL_DRAWS_SHARE,
 )
 from pipeclamp_identification.fitting.resampling import share_of_gains
-from pipeclamp_identification.metrics_only.campaign import SCATTER
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND
 from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, MetricJudged, Scatter
 from pipeclamp_identification.metrics_only.thresholds import (
     FEWEST_FREEDOMS,
@@ -31,7 +31,7 @@ MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or r
 
 NEARLY_ALWAYS_CHANCE = 0.995
 """A chance that is larger would be shown as 100 %."""
-MOST_LEFT_OUT = 4
+MOST_ASKED = 4
 """Likeliest effects, and likeliest pairs, that are asked for left-out conditions, at most."""
 
 
@@ -170,7 +170,7 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> We
 def _taking_part(laws: Sequence[MetricJudged], scales: MetricScales) -> list[MetricJudged]:
     """Give the laws that take the greater part of what the richest one does, and a part beyond doubt; best first."""
     able = [each for each in laws if scales.chances[each.name] < REAL_CHANCE]
-    large = [each for each in able if scales.of_richest(each) >= GREATER_PART_SHARE][:MOST_LEFT_OUT]
+    large = [each for each in able if scales.of_richest(each) >= GREATER_PART_SHARE][:MOST_ASKED]
     return sorted(filter(scales.takes_part, large), key=lambda each: float(scales.heldout(each).sum()))
 
 
@@ -241,6 +241,6 @@ def _scatter_words(scatter: Scatter) -> str:
     dissipated, elastic = scatter.share
     few = int(scatter.freedoms.min() - EXPECTED_FREEDOMS)
     return (
-        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER:.0%} was expected, and what the "
-        f"richest law leaves ({few} more numbers than it has parameters) corrected it"
+        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER_BEFOREHAND:.0%} was expected, "
+        f"and what the richest law leaves ({few} more numbers than it has parameters) corrected it"
     )

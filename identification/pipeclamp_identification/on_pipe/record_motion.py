@@ -23,9 +23,9 @@ PASSES, SAME = 4, 0.02
 """Runs in which a law's A and f are brought to those of the motion, until they change by less than this share."""
 TIME_ERROR = 1e-3
 """Share of the rms by which the time step may change what probes show: well below what sensors err by."""
-FINEST = 32
+MOST_SUBSTEPS = 32
 """Steps between two samples at most."""
-AT_ONCE = 60
+MODELS_AT_ONCE = 60
 """Models that are marched together; more of them leave the processor's cache."""
 
 
@@ -93,7 +93,7 @@ def _predicted(
 def _moving_alike(
     models: Sequence[CoupledModel], taken: Sequence[Conditions], waiting: Sequence[int]
 ) -> Iterator[tuple[tuple[float, float], list[list[int]]]]:
-    """Give models by the true level and rate of what is stated, `AT_ONCE` at once, those that differ in sensors as one.
+    """Give models by the true level and rate of what is stated, some at once, those that differ in sensors as one.
 
     They are alike in pipe and clamps by identity: a change of the measuring chain leaves both in place.
     """
@@ -105,8 +105,8 @@ def _moving_alike(
         marched.setdefault(stretched, {}).setdefault(motion, []).append(index)
     for stretched, motions in marched.items():
         alike = list(motions.values())
-        for begin in range(0, len(alike), AT_ONCE):
-            yield stretched, alike[begin : begin + AT_ONCE]
+        for begin in range(0, len(alike), MODELS_AT_ONCE):
+            yield stretched, alike[begin : begin + MODELS_AT_ONCE]
 
 
 def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, RecordPrediction]:
@@ -128,7 +128,7 @@ def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, Recor
                 f"{record.path}: the model's motion grows beyond all bounds; check the excitation's unit, and the "
                 "clamps' laws"
             )
-        if float(np.mean((fine.computed - coarse.computed) ** 2)) <= TIME_ERROR**2 * size or 2 * every >= FINEST:
+        if float(np.mean((fine.computed - coarse.computed) ** 2)) <= TIME_ERROR**2 * size or 2 * every >= MOST_SUBSTEPS:
             return every, coarse
         every, coarse = 2 * every, fine
 

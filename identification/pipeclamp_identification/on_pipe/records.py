@@ -23,7 +23,7 @@ from pipeclamp_system.description.system import SystemDescription
 
 BANDS = 8
 """Bands of frequency, each as wide as the others on a logarithmic axis."""
-LEAST = 5e-3
+SHARE_BEYOND_BANDS = 5e-3
 """Share of the squared record that must lie beyond the lowest, and beyond the highest band."""
 
 
@@ -115,7 +115,11 @@ class RecordsComparison:
         for pair in self.pairs:
             frequency, measured, _ = pair.spectra
             share = np.cumsum((measured / self.scales**2).sum(axis=1))
-            inside = (share > LEAST * share[-1]) & (share < (1 - LEAST) * share[-1]) & (frequency > 0)
+            inside = (
+                (share > SHARE_BEYOND_BANDS * share[-1])
+                & (share < (1 - SHARE_BEYOND_BANDS) * share[-1])
+                & (frequency > 0)
+            )
             if inside.any():
                 low, high = min(low, float(frequency[inside][0])), max(high, float(frequency[inside][-1]))
         if not 0 < low < high:

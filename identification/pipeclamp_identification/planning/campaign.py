@@ -13,7 +13,7 @@ from pipeclamp_identification.diagnosis.further_test.limits import Limits, limit
 from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, SINE
 from pipeclamp_identification.planning.hidden import peak_forces
 from pipeclamp_identification.planning.loop_tests import RIG
-from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes
+from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER_BEFOREHAND, RigTimes
 from pipeclamp_identification.planning.scene import Scene, scene
 from pipeclamp_identification.planning.schedule import (
     LABORATORY,
@@ -29,12 +29,12 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
 
-FINEST = {"A": 7, "f": 7, "T": 5}
+MOST_LEVELS = {"A": 7, "f": 7, "T": 5}
 """Levels within the limits, of which plans take some."""
-COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
+LEVEL_COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
 """Numbers of levels: from fewer than three no law can be foretold at their ends, and no form be judged."""
 MOST_REPEATS = 6
-NEARLY = 1.05
+AS_GOOD_TIMES = 1.05
 """A plan that needs an effect this many times as large as another one's names as well; the shorter one is taken."""
 LONGER = 2.0
 """Times the hours, up to which plans are looked at, to say what more time would give."""
@@ -56,7 +56,7 @@ class Asked:
 
     hours: float = HOURS
     noise_N: float = RIG.force_noise
-    scatter: float = SCATTER
+    scatter: float = SCATTER_BEFOREHAND
     rate: float = RIG.rate
     times: RigTimes = RIG_TIMES
     seed: int = 0
@@ -161,7 +161,7 @@ def plan_campaign(
             fitting.append((one, repeats, runs, found))
     most = max(one.told for one, *_ in fitting)
     lowest = min(one.newtons for one, *_ in fitting if one.told == most)
-    as_good = [each for each in fitting if each[0].told == most and each[0].newtons <= NEARLY * lowest]
+    as_good = [each for each in fitting if each[0].told == most and each[0].newtons <= AS_GOOD_TIMES * lowest]
     best, repeats, runs, found = min(as_good, key=lambda each: each[0].hours)
     stages = tuple(_stages(runs, levels, view, asked))
     return CampaignPlan(
@@ -171,7 +171,7 @@ def plan_campaign(
 
 def _schedules(levels: _Levels, asked: Asked) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
     """Give hours, repeats and runs of campaigns, of each choice of levels up to the first that takes far too long."""
-    for counts in itertools.product(*COUNTS.values()):
+    for counts in itertools.product(*LEVEL_COUNTS.values()):
         conditions, temperatures = levels.some(*counts)
         for repeats in range(1, MOST_REPEATS + 1) if conditions else ():
             runs = scheduled(conditions, temperatures, repeats, asked.times, asked.seed)
@@ -196,9 +196,9 @@ class _Levels:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         A, f, T = limits.amplitude, limits.frequency, limits.temperature
-        self.A = stated_levels(np.geomspace(A[0], A[1] / PROFILE.peak_displacement, FINEST["A"]), *A)
-        self.f = stated_levels(np.geomspace(*f, FINEST["f"]), *f)
-        self.T = stated_levels(np.linspace(*T, FINEST["T"]), *T)
+        self.A = stated_levels(np.geomspace(A[0], A[1] / PROFILE.peak_displacement, MOST_LEVELS["A"]), *A)
+        self.f = stated_levels(np.geomspace(*f, MOST_LEVELS["f"]), *f)
+        self.T = stated_levels(np.linspace(*T, MOST_LEVELS["T"]), *T)
         every = np.array(list(itertools.product(self.A.tolist(), self.f.tolist(), self.T.tolist())))
         slow = PROFILE.peak_velocity * every[:, 0] * every[:, 1] <= limits.velocity
         if not slow.any():

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION, Role
-from pipeclamp_models.base.toml_file import LARGEST, Number, Table
+from pipeclamp_models.base.toml_file import LARGEST_QUANTITY, Number, Table
 
 
 def _free_symbol(name: str) -> str:
@@ -28,8 +28,8 @@ def _number_or_text(value: Any) -> Any:
         raise ValueError("expected a number or an expression in quotes")
     if isinstance(value, str):
         return value
-    if not abs(value) <= LARGEST:
-        raise ValueError(f"expected a finite number up to {LARGEST:g}")
+    if not abs(value) <= LARGEST_QUANTITY:
+        raise ValueError(f"expected a finite number up to {LARGEST_QUANTITY:g}")
     return float(value)
 
 

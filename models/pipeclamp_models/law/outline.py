@@ -21,7 +21,7 @@ Sizes = Mapping[str, float]
 """The data's scales and the reference values of ratios, by the names of their symbols."""
 
 
-REACH = 2
+WIDER_STARTS = 2
 """Bounds of what another condition brings into view reach so many times as far as its starts do, on a log scale: how
 far it moves there isn't known before."""
 NEAR_BOUND = 1e-5
@@ -147,7 +147,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], us
     if factors:
         import sympy as sp
 
-        lower, upper = lower * sp.Min(1, *factors) ** REACH, upper * sp.Max(1, *factors) ** REACH
+        lower, upper = lower * sp.Min(1, *factors) ** WIDER_STARTS, upper * sp.Max(1, *factors) ** WIDER_STARTS
     return ParameterOutline(
         name=parameter.name,
         unit=parameter.unit,

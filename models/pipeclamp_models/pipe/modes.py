@@ -34,16 +34,16 @@ from pipeclamp_models.pipe.truncation import ModalModel, ReductionErrors, Refere
 MOST_NODES = 600
 """A finer mesh than this takes minutes and hints at a wrong unit."""
 
-FASTEST = 15.0
+FASTEST_FLOW = 15.0
 """Dimensionless flow velocity u = U L sqrt(M/(E I)) up to which the onset of instability is looked for."""
 
 WARM = 50.0
 """K by which a pipe may be beyond the table of its fluid or its material, before it is said."""
 
-ROUNDING = 1e-10
+ROUNDING_SHARE = 1e-10
 """Share of a shape's largest entry below which another is rounding."""
 
-RIGID: dict[str, tuple[float, float]] = {
+CONDITION_STIFFNESS: dict[str, tuple[float, float]] = {
     "free": (0.0, 0.0),
     "pinned": (inf, 0.0),
     "clamped": (inf, inf),
@@ -203,7 +203,7 @@ def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
 def _stiffnesses(condition: Condition) -> tuple[float, float]:
     if isinstance(condition, Springs):
         return 1e3 * condition.stiffness_N_mm, condition.rotational_stiffness_Nm_rad
-    return RIGID[condition]
+    return CONDITION_STIFFNESS[condition]
 
 
 def finite_elements(description: PipeDescription) -> Assembly:
@@ -264,7 +264,9 @@ def reduce(description: PipeDescription) -> ReducedPipe:
         added = over_modes.matrices(beam_of(description.model_copy(update={"flow": flow})))
         return np.diag(all_omega**2) + added[0], np.diag(reduced.damping) + added[1]
 
-    fastest = FASTEST / beam.length * float(np.sqrt(beam.bending_stiffness / beam.fluid_mass)) if beam.velocity else 0.0
+    fastest = (
+        FASTEST_FLOW / beam.length * float(np.sqrt(beam.bending_stiffness / beam.fluid_mass)) if beam.velocity else 0.0
+    )
     return ReducedPipe(
         name=description.name,
         **_moving(full, reduced, kept),
@@ -356,7 +358,7 @@ def _moving(full: _FullModel, reduced: ModalModel, kept: int) -> _Moving:
 
 def _without_rounding(shape: Array) -> tuple[float, ...]:
     """Give a shape (n,) with zeros where a mode has a node, of which the eigenvalue solver makes some 1e-12."""
-    return _floats(np.where(np.abs(shape) > ROUNDING * np.abs(shape).max(initial=0.0), shape, 0.0))
+    return _floats(np.where(np.abs(shape) > ROUNDING_SHARE * np.abs(shape).max(initial=0.0), shape, 0.0))
 
 
 def _about_reduction(description: PipeDescription, kept: int, errors: ReductionErrors) -> list[str]:

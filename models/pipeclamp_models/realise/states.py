@@ -15,7 +15,7 @@ from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.steps.ways import Ways
 
 SETTLING_CYCLES = 20
-SETTLED = 1e-9
+SETTLED_SHARE = 1e-9
 
 Columns = tuple[Sequence[Array], Sequence[Array]]
 """Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still."""
@@ -133,8 +133,8 @@ class March:
         by_states = self._by_states(by_step, samples)
         to_begin = _back(composed(np.moveaxis(by_states, 1, 0)))
         left, size, right = np.linalg.svd(to_begin)
-        adrift = np.min(size, axis=1) < SETTLED
-        still = np.where((size < SETTLED)[:, :, None], right, 0.0)
+        adrift = np.min(size, axis=1) < SETTLED_SHARE
+        still = np.where((size < SETTLED_SHARE)[:, :, None], right, 0.0)
         kept = np.swapaxes(still, 1, 2) @ still
         slopes = np.zeros((rows, samples, count, 0))
         if derivatives:
@@ -143,7 +143,7 @@ class March:
             if adrift.any():  # what loses its beginning doesn't ask for it
                 begin = last._by_parameters(last._slopes(rest, moved, from_rest), 1)[:, 0]
             once = trail(begin, by_states, by_parameters)[:, -1]
-            told = size > SETTLED * np.max(size, axis=1, keepdims=True)
+            told = size > SETTLED_SHARE * np.max(size, axis=1, keepdims=True)
             inverse = np.where(told, 1 / np.where(told, size, 1.0), 0.0)
             to_period = np.swapaxes(right, 1, 2) @ (inverse[:, :, None] * (np.swapaxes(left, 1, 2) @ (once - begin)))
             slopes = trail(begin + to_period, by_states, by_parameters)
@@ -168,7 +168,7 @@ class March:
             if not moves.any():
                 return np.zeros_like(moving)
             left, taken = left[moves], taken if moves.all() else _of_rows(taken, moves)
-            inverse = np.linalg.pinv(_back(by_start[moves]), rcond=SETTLED)
+            inverse = np.linalg.pinv(_back(by_start[moves]), rcond=SETTLED_SHARE)
             start[:, left] += np.einsum("rjk,kr->jr", inverse, change[:, moves])
         return np.isin(np.arange(len(moving)), left)
 
@@ -245,7 +245,7 @@ class March:
 
 def _moves(change: Array, scale: Array, largest: Array) -> BoolArray:
     """Tell which rows' states a cycle changes, (J, R), against their sizes before, (R,), and within it, (J, R)."""
-    return np.asarray(np.any(~(np.abs(change) <= SETTLED * (scale + np.max(largest, axis=0))), axis=0))
+    return np.asarray(np.any(~(np.abs(change) <= SETTLED_SHARE * (scale + np.max(largest, axis=0))), axis=0))
 
 
 def _back(by_start: Array) -> Array:

@@ -11,9 +11,9 @@ from banded import SPREAD, banded
 
 from pipeclamp.show.narrowing import beyond_words
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
+from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
-from pipeclamp_identification.planning.narrowing import WORTH, Map, plan_tests
+from pipeclamp_identification.planning.narrowing import WORTH_SHARE, Map, plan_tests
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
@@ -56,7 +56,7 @@ def test_a_test_tells_of_the_form_elsewhere_what_kriging_makes_of_it(tested):
     """Where the law's parameters are known, the two ways to reckon it agree: Bayes' rule, and one more kriged test."""
     law, used = kriged_law(), {"A": 0.3, "f": 4.0}
     off = np.random.default_rng(2).standard_normal((2, 1, 6))
-    scatter = 1e-4 / REPEATS
+    scatter = 1e-4 / RUNS_OF_A_TEST
     error = 1e-12 * np.eye(6) + sum(scatter * np.outer(one[0], one[0]) for one in off)
     grid = {name: np.array([value]) for name, value in tested.items()}
     field = LoopTests(law, grid, np.zeros((0, 1, 6)), error[None], off)
@@ -100,7 +100,7 @@ def test_the_band_is_the_responses_and_narrows(tmp_path, spread):
     assert (plan.before.amplitude.low, plan.before.amplitude.high) == pytest.approx((told.low, told.high), rel=1e-9)
     widths = [band.high - band.low for band in (plan.before.amplitude, *(test.amplitude for test in plan.tests))]
     assert plan.tests
-    assert all(after < (1 - WORTH) * before for before, after in pairwise(widths))
+    assert all(after < (1 - WORTH_SHARE) * before for before, after in pairwise(widths))
     assert plan.floor.high - plan.floor.low <= widths[-1] * (1 + 1e-9)
     for test in plan.tests:
         assert 0.02 <= test.amplitude_mm <= 1
