@@ -10,7 +10,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from pipeclamp_fmu.build import native_clamp_content, python_clamp_content
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_fmu.native.clamp import DISSIPATED, MEMORY
 from pipeclamp_fmu.native.packing import native_files
@@ -65,7 +65,7 @@ class _Built:
 
     fmi: int
     identifier: str
-    told: Start
+    told: ClampStart
 
 
 def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
@@ -87,7 +87,7 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
     except (ElementTree.ParseError, LookupError, StopIteration, ValueError, struct.error) as error:
         what = "isn't as it was built" if place in files else "is missing"
         raise UserError(f"{fmu}: {place} in it {what}; expected {EXPECTED}, whole") from error
-    start = Start(
+    start = ClampStart(
         A=told.get("A"),
         f=told.get("f"),
         T=told.get("T"),

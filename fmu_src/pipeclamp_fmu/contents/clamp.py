@@ -13,7 +13,7 @@ from pipeclamp_fmu.contents.continuous_memory import parts_of_step
 from pipeclamp_fmu.contents.passivity import Interval
 from pipeclamp_fmu.contents.reference import Reference, reference_files
 from pipeclamp_fmu.contents.steady_loop import SAMPLES_PER_CYCLE, steady_loop
-from pipeclamp_fmu.describe.documentation import Section, page, variables_section
+from pipeclamp_fmu.describe.documentation import DocumentedSection, page, variables_section
 from pipeclamp_fmu.describe.history import history_section
 from pipeclamp_fmu.describe.icon import loop_icon
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
@@ -218,17 +218,19 @@ def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], us
     return page(text.title, (text.description + ".", *model.notes), _sections(model, described, use))
 
 
-def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:
+def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[DocumentedSection]:
     return [
-        Section(
+        DocumentedSection(
             "Equations",
             ("y in mm, v in mm/s, force F in N; A, f, T are amplitude (mm), frequency (Hz), temperature (K).",),
             model.equations,
         ),
         *([history_section(model.history, model.fit)] if model.history or model.fit else ()),
         *((behind_section(model.behind),) if model.behind else ()),
-        Section("Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters),
-        Section(
+        DocumentedSection(
+            "Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters
+        ),
+        DocumentedSection(
             "Range",
             (
                 "Where the law's data lie. Outside, the clamp warns once and inRange is false; so it is for "
@@ -243,7 +245,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             ],
         ),
         variables_section(described),
-        Section(
+        DocumentedSection(
             "Use",
             (
                 *use,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, Entry, FurtherCondition, Start
+from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, ClampStart, Entry, FurtherCondition
 from pipeclamp_fmu.slaves.clamp import MM, within
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION
@@ -29,7 +29,7 @@ SMOOTHING = {
 }
 
 
-def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
+def clamp_model(file: LawFile, told: ClampStart = USUAL) -> ClampModel:
     """Give a law as the clamp FMU needs it.
 
     Args:
@@ -84,7 +84,7 @@ def _parameter_name(column: str) -> str:
     return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(CONDITION)}")
 
 
-def _require_in_range(file: LawFile, told: Start) -> None:
+def _require_in_range(file: LawFile, told: ClampStart) -> None:
     """Refuse start values that the law's data don't hold.
 
     Raises:

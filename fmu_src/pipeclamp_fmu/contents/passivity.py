@@ -91,7 +91,7 @@ class SawTooth:
         return self.offset + self.size * (2 * done - 1), self.size * speed / math.pi
 
 
-Motion = Cycle | SawTooth
+ClosedMotion = Cycle | SawTooth
 """A closed motion over which a law is accounted for."""
 
 
@@ -117,7 +117,7 @@ class Balance:
         return self.dissipated / self.moved if self.moved > ROUNDING_ENERGY else 0.0
 
 
-def balance(law: ScalarLaw, cycle: Motion, where: Sequence[float], samples: int) -> Balance:
+def balance(law: ScalarLaw, cycle: ClosedMotion, where: Sequence[float], samples: int) -> Balance:
     """Run a cycle twice, so that memory has settled, and account for the second time round.
 
     What a law without memory does at rest depends on the displacement alone, so that it gives back what it took: only
@@ -180,7 +180,7 @@ def require_dissipation(
     range_f: Interval,
     range_T: Interval,
     *further: Interval,
-    begin: Sequence[tuple[Motion, tuple[float, ...]]] = (),
+    begin: Sequence[tuple[ClosedMotion, tuple[float, ...]]] = (),
     proved: bool = False,
 ) -> None:
     """Refuse a law that gives energy over some closed cycle in its range.
@@ -198,7 +198,7 @@ def require_dissipation(
     Raises:
         UserError: a cycle dissipates less than nothing, or the law has no finite value on it.
     """
-    worst: tuple[float, Motion, tuple[float, ...], Balance] | None = None
+    worst: tuple[float, ClosedMotion, tuple[float, ...], Balance] | None = None
     grid = itertools.product(CYCLES_ACCOUNTED, conditions(range_A, range_f, range_T, *further))
     for cycle, where in itertools.chain(begin, grid):
         result = _accounted(name, law, cycle, where)
@@ -219,7 +219,7 @@ def require_dissipation(
         )
 
 
-def _accounted(name: str, law: ScalarLaw, cycle: Motion, where: tuple[float, ...]) -> Balance:
+def _accounted(name: str, law: ScalarLaw, cycle: ClosedMotion, where: tuple[float, ...]) -> Balance:
     """Account for a cycle, finely where it doesn't dissipate clearly.
 
     Raises:
@@ -240,14 +240,14 @@ def _accounted(name: str, law: ScalarLaw, cycle: Motion, where: tuple[float, ...
     return result
 
 
-def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> Iterator[tuple[Motion, tuple[float, ...]]]:
+def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> Iterator[tuple[ClosedMotion, tuple[float, ...]]]:
     """Seek the cycle and the conditions with the least dissipation, of each kind of cycle."""
 
-    def of_sines(size: float, shift: float, third: float, phase: float) -> Motion:
+    def of_sines(size: float, shift: float, third: float, phase: float) -> ClosedMotion:
         harmonics = ((1, size * (1 - third), 0.0), (3, size * third, phase))
         return Cycle("a motion", harmonics, shift * (1 - size))
 
-    def saw_tooth(size: float, shift: float, quick: float) -> Motion:
+    def saw_tooth(size: float, shift: float, quick: float) -> ClosedMotion:
         return SawTooth(size, shift * (1 - abs(size)), round(quick) / 64)
 
     yield _least(law, of_sines, [(0.02, 1.0), (-1.0, 1.0), (0.0, 0.6), (0.0, math.pi)], ranges)
@@ -256,8 +256,8 @@ def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> Iterator[tuple[Motion
 
 
 def _least(
-    law: ScalarLaw, motion_of: Callable[..., Motion], shape: Sequence[Interval], ranges: Sequence[Interval]
-) -> tuple[Motion, tuple[float, ...]]:
+    law: ScalarLaw, motion_of: Callable[..., ClosedMotion], shape: Sequence[Interval], ranges: Sequence[Interval]
+) -> tuple[ClosedMotion, tuple[float, ...]]:
     """Seek by differential evolution.
 
     Args:
@@ -268,7 +268,7 @@ def _least(
     # needed for laws alone of which nothing is proved
     from scipy.optimize import differential_evolution
 
-    def met(place: Sequence[float]) -> tuple[Motion, tuple[float, ...]]:
+    def met(place: Sequence[float]) -> tuple[ClosedMotion, tuple[float, ...]]:
         return motion_of(*place[: len(shape)]), tuple(place[len(shape) :])
 
     def share(place: Sequence[float]) -> float:
@@ -287,7 +287,7 @@ def _least(
 REMEDY = "Identify the law again with other effects or bounds, or give it a narrower range"
 
 
-def _at(cycle: Motion, where: tuple[float, ...]) -> str:
+def _at(cycle: ClosedMotion, where: tuple[float, ...]) -> str:
     A, f, T, *further = where
     more = f", further conditions {', '.join(f'{value:g}' for value in further)}" if further else ""
     return f"{cycle.name} within A = {A:g} mm at f = {f:g} Hz, T = {T:g} K{more}"

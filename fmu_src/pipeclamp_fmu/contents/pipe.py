@@ -10,7 +10,7 @@ from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.pipe_dependencies import pipe_dependencies
 from pipeclamp_fmu.contents.pipe_reference import pipe_reference
 from pipeclamp_fmu.contents.reference import reference_files
-from pipeclamp_fmu.describe.documentation import Section, page, variables_section
+from pipeclamp_fmu.describe.documentation import DocumentedSection, page, variables_section
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
 from pipeclamp_fmu.slaves import pipe as pipe_slave
 from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
@@ -144,10 +144,10 @@ def pipe_documentation(pipe: ReducedPipe, described: Mapping[str, Quantity], nee
     return page(text.title, introduction, _sections(pipe, described, needs))
 
 
-def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> Sequence[Section]:
+def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> Sequence[DocumentedSection]:
     modes = enumerate(zip(pipe.omega, pipe.zeta, strict=True), start=1)
     return [
-        Section(
+        DocumentedSection(
             "Equations",
             (
                 "Per mode, with u the base's acceleration or the exciting force and f the force into each clamp. "
@@ -159,7 +159,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
             ),
         ),
         *([_coupling_section(pipe)] if pipe.coupling_stiffness else []),
-        Section(
+        DocumentedSection(
             "Modes",
             ("Those after the kept ones stand for the static flexibility of the modes left out.",),
             (),
@@ -170,7 +170,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
             ],
         ),
         variables_section(described),
-        Section(
+        DocumentedSection(
             "Use",
             (
                 "The pipe starts at rest. Without inputsAtStepEnd inputs are held over the step, as masters that step "
@@ -183,8 +183,8 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
     ]
 
 
-def _coupling_section(pipe: ReducedPipe) -> Section:
-    return Section(
+def _coupling_section(pipe: ReducedPipe) -> DocumentedSection:
+    return DocumentedSection(
         "Axial force and flow",
         (
             "They couple the modes of the pipe at rest: full matrices K and C are added to omega^2 and 2 zeta omega, "

@@ -16,7 +16,7 @@ THIRD = 0.3
 
 
 @dataclass(frozen=True)
-class Loop:
+class ReferenceLoop:
     """Two cycles from rest, after a step at rest, under the clamp's default conditions: motion and answer, SI units.
 
     Attributes:
@@ -33,7 +33,7 @@ class Loop:
     dissipated: tuple[float, ...]
 
 
-def steady_loop(module: str, values: str) -> Loop:
+def steady_loop(module: str, values: str) -> ReferenceLoop:
     """Run a clamp's generated module along two cycles of its default amplitude and frequency.
 
     Args:
@@ -54,4 +54,4 @@ def steady_loop(module: str, values: str) -> Loop:
         slave.do_step(index * h, h)
         rows.append((s, v, *slave.get_real([places["flange.f"], places["energyDissipated"]])))
     motion, speed, force, dissipated = zip(*rows, strict=True)
-    return Loop(h, motion, speed, force, dissipated)
+    return ReferenceLoop(h, motion, speed, force, dissipated)

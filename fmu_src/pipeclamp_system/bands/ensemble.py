@@ -36,7 +36,7 @@ BENDS = 0.1
 
 
 @dataclass(frozen=True)
-class Told:
+class BandedValue:
     """What is read off a run at one place, with its band.
 
     Attributes:
@@ -66,7 +66,7 @@ class RunBands:
 
     result: CosimResult
     per_cent: float
-    told: tuple[Told, ...]
+    told: tuple[BandedValue, ...]
     members: int
     failed: int
     gaps: tuple[str, ...]
@@ -210,7 +210,7 @@ def _with_bands(
 def _told(
     result: CosimResult, columns: Sequence[str], histories: Array, drawn: Array, roots: Array, what: Unknown,
     steps: float,
-) -> tuple[Told, ...]:  # fmt: skip
+) -> tuple[BandedValue, ...]:  # fmt: skip
     """Give what is read off the run with its bands, by what it follows in proportion."""
     sizes: Mapping[str, float] = {".s": MM, ".f": 1.0}
     design = np.column_stack([np.ones(len(drawn)), drawn])
@@ -229,7 +229,7 @@ def _told(
         band = band_of(value, by_quantity, what, steps, float(np.hypot(solution, np.sqrt(rest))), moved)
         bent = rest / band.deviation**2 if band.deviation > 0 else 0.0
         words, unit = (name, "mm") if kind == ".s" else (f"force of {name}", "N")
-        told.append(Told(words, unit, band, bent))
+        told.append(BandedValue(words, unit, band, bent))
     return tuple(told)
 
 

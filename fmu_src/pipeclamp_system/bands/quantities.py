@@ -14,8 +14,8 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.file import Shares
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 
-Kind = Literal["parameters", "runs", "form", "solution"]
-KINDS: Mapping[Kind, str] = {
+UnknownKind = Literal["parameters", "runs", "form", "solution"]
+KINDS: Mapping[UnknownKind, str] = {
     "parameters": "the law's parameters",
     "runs": "scatter from run to run",
     "form": "what the law leaves over on left-out tests",
@@ -29,7 +29,7 @@ SEED = 1
 
 
 @dataclass(frozen=True)
-class Quantity:
+class UnknownQuantity:
     """One thing that isn't known.
 
     Attributes:
@@ -40,7 +40,7 @@ class Quantity:
         lean: whether it is what tests near there show of the law's form: known, and no part of what isn't.
     """
 
-    kind: Kind
+    kind: UnknownKind
     name: str
     parameter: str
     clamps: tuple[int, ...]
@@ -58,7 +58,7 @@ class Unknown:
     """
 
     laws: Sequence[VariedLaw]
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[UnknownQuantity, ...]
     covariance: Array
 
     def roots(self) -> Array:
@@ -71,7 +71,7 @@ class Unknown:
 
     def by_clamp(self) -> Unknown:
         """Give the same, what a law's form may be off at each clamp by itself: wholly correlated, as it is one law."""
-        told: list[tuple[int, Quantity]] = []
+        told: list[tuple[int, UnknownQuantity]] = []
         for place, one in enumerate(self.quantities):
             apart = [replace(one, clamps=(clamp,)) for clamp in one.clamps] if one.kind == "form" else [one]
             told += [(place, each) for each in apart]
@@ -88,7 +88,7 @@ class Unknown:
         """By how much each is moved to see what follows it, shape (Q,): its standard deviation, or what it is."""
         return np.asarray(np.sqrt(np.diag(self.covariance)) + self.means)
 
-    def of_kind(self, kind: Kind) -> Array:
+    def of_kind(self, kind: UnknownKind) -> Array:
         """Tell which quantities are of a kind, shape (Q,)."""
         return np.array([quantity.kind == kind for quantity in self.quantities])
 
@@ -145,27 +145,27 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -
         clamps: their names.
         solved: whether a solver leaves harmonics out.
     """
-    quantities: list[Quantity] = []
+    quantities: list[UnknownQuantity] = []
     blocks: list[Array] = []
     for law in dict.fromkeys(laws):
         own = tuple(place for place, other in enumerate(laws) if other is law)
         name = law.file.name
-        quantities += [Quantity("parameters", f"{name}: {one}", one, own) for one in law.names]
+        quantities += [UnknownQuantity("parameters", f"{name}: {one}", one, own) for one in law.names]
         blocks.append(law.covariance)
-        further: list[Quantity] = []
+        further: list[UnknownQuantity] = []
         for parameter, share in SHARE_OF_PARAMETER.items():
             of_clamps = [(f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
             if law.file.spread is not None:
-                further.append(Quantity("form", f"{name}: {share}", parameter, own))
-                further += [Quantity("runs", *each) for each in of_clamps]
+                further.append(UnknownQuantity("form", f"{name}: {share}", parameter, own))
+                further += [UnknownQuantity("runs", *each) for each in of_clamps]
             if solved:
-                further += [Quantity("solution", *each) for each in of_clamps]
+                further += [UnknownQuantity("solution", *each) for each in of_clamps]
         quantities += further
         blocks.append(np.eye(len(further)))
         if law.file.spread is not None and law.file.spread.local is not None:
             shown = "as tests near there show"
             known = [
-                Quantity("form", f"{name}: {share}, {shown}", one, own, True)
+                UnknownQuantity("form", f"{name}: {share}, {shown}", one, own, True)
                 for one, share in SHARE_OF_PARAMETER.items()
             ]
             quantities += known

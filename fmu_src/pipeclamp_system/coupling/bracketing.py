@@ -13,7 +13,7 @@ from math import inf, isfinite
 
 from scipy.optimize import brentq
 
-from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Tolerance, Vector
+from pipeclamp_system.coupling.broyden import Answer, NotFoundError, SolverTolerance, Vector
 
 MOST_SWEEPS = 40
 """Times that all clamps are gone through."""
@@ -29,7 +29,7 @@ class _AgreedError(Exception):
     """The forces agree: no bracket needs to be narrowed any further."""
 
 
-def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tolerance: Tolerance) -> Vector:
+def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tolerance: SolverTolerance) -> Vector:
     """Find f with answer(f) = f, each answer falling with its own unknown.
 
     Args:

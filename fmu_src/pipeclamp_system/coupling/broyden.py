@@ -23,7 +23,7 @@ SMALLEST_SCALE = 1e-9
 
 
 @dataclass(frozen=True)
-class Tolerance:
+class SolverTolerance:
     """When the unknowns are found.
 
     Attributes:
@@ -46,7 +46,7 @@ class NotFoundError(Exception):
 class Solver:
     """The method's memory: the inverse Jacobian of answer(f) - f and the unknowns' scale."""
 
-    def __init__(self, count: int, tolerance: Tolerance) -> None:
+    def __init__(self, count: int, tolerance: SolverTolerance) -> None:
         """Start as plain repetition f := answer(f)."""
         self._tolerance = tolerance
         self._inverse = [[-1.0 if row == column else 0.0 for column in range(count)] for row in range(count)]

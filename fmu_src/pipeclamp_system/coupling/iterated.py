@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.coupling.bracketing import MOST_SWEEPS, enclosed
-from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Solver, Tolerance, Vector
+from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Solver, SolverTolerance, Vector
 from pipeclamp_system.coupling.march import Point, Predictor, System, end_point, step_clamps
 
 REST_VELOCITY_SHARE = 1e-3
@@ -78,7 +78,7 @@ class _Trials:
 class Iteration:
     """The scheme's memory from step to step: the solver's, the forces before the present ones, and who slides."""
 
-    def __init__(self, system: System, tolerance: Tolerance, *, locates: bool = True) -> None:
+    def __init__(self, system: System, tolerance: SolverTolerance, *, locates: bool = True) -> None:
         """Start without any.
 
         Args:

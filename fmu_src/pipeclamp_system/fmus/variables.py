@@ -17,7 +17,7 @@ from pipeclamp_models.base.toml_file import unknown
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """A variable of an FMU: its name there, its reference, its type, its causality."""
 
     name: str
@@ -26,7 +26,7 @@ class Variable:
     causality: str
 
 
-Variables = Mapping[str, Variable]
+Variables = Mapping[str, FmuVariable]
 """Variables by the names that we know them by."""
 
 
@@ -64,12 +64,12 @@ def read_description(path: Path) -> Any:
 def variables_of(description: Any) -> Variables:
     """Give the variables that a model description lists."""
     return {
-        variable.name: Variable(variable.name, variable.valueReference, variable.type, variable.causality)
+        variable.name: FmuVariable(variable.name, variable.valueReference, variable.type, variable.causality)
         for variable in description.modelVariables
     }
 
 
-def find_variables(variables: Variables, names: Sequence[str], path: Path) -> list[Variable]:
+def find_variables(variables: Variables, names: Sequence[str], path: Path) -> list[FmuVariable]:
     """Give variables by name; the FMU's `path` is named in errors.
 
     Raises:

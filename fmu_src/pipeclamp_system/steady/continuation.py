@@ -14,7 +14,7 @@ Evaluated = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
-class Refinement:
+class HarmonicRefinement:
     """How finely unknowns stand for what is sought, solution by solution.
 
     Attributes:
@@ -36,7 +36,7 @@ class Equation:
     """
 
     evaluate: Callable[[Array, float], Evaluated]
-    refinement: Refinement | None = None
+    refinement: HarmonicRefinement | None = None
 
     def __call__(self, unknowns: Array, parameter: float) -> Evaluated:
         """Evaluate it."""

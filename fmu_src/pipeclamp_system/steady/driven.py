@@ -21,7 +21,7 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.steady.continuation import Equation, Refinement
+from pipeclamp_system.steady.continuation import Equation, HarmonicRefinement
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
     FEWEST_HARMONICS,
@@ -34,7 +34,7 @@ from pipeclamp_system.steady.harmonics import (
 )
 from pipeclamp_system.steady.in_time import InTime
 from pipeclamp_system.steady.receptance import Receptance
-from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, Step, step_of
+from pipeclamp_system.steady.stepping import CELLS, FLAT, ForceStep, Friction, Rubbed, step_of
 from pipeclamp_system.steady.tangents import NUDGE, linearised
 
 
@@ -76,10 +76,10 @@ class DrivenPipe:
         self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
         self._near: Array | None = None
-        self._refinement = Refinement(self._asked, self.in_so_many) if harmonics is None and clamps else None
+        self._refinement = HarmonicRefinement(self._asked, self.in_so_many) if harmonics is None and clamps else None
 
     @cached_property
-    def rubbing(self) -> list[tuple[SteadyClamp, Step]]:
+    def rubbing(self) -> list[tuple[SteadyClamp, ForceStep]]:
         """The clamps in cells, and how their force steps with the velocity; none where none does."""
         # Of several clamps most of a cycle can be stuck: that takes minutes.
         step = step_of(self._clamps[0]) if self.clamps == 1 else None
@@ -274,7 +274,7 @@ class DrivenPipe:
         def asked(unknowns: Array, level: float) -> int:
             return self._asked(unknowns, frequency, level)
 
-        return Equation(equation, self._refinement and Refinement(asked, self.in_so_many))
+        return Equation(equation, self._refinement and HarmonicRefinement(asked, self.in_so_many))
 
     def up_to(self, unknowns: Array) -> int:
         """Give H of unknowns (m,)."""

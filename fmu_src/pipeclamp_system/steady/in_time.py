@@ -75,7 +75,7 @@ class Standing:
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class MarchedMotion:
     """A motion under a sine to which a march came.
 
     Attributes:
@@ -115,7 +115,7 @@ class InTime:
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), self._shaken.size)
         self._points = MM * np.vstack([shapes, probes])
         self._scalar = [scalar_law(clamp.law) for clamp in clamps]
-        self._from_rest: dict[tuple[float, float], Marched | None] = {}
+        self._from_rest: dict[tuple[float, float], MarchedMotion | None] = {}
 
     @cached_property
     def _machine(self) -> Callable[..., float]:
@@ -138,7 +138,7 @@ class InTime:
             conditions.reshape(count, 2),
         )  # fmt: skip
 
-    def at(self, frequency: float, drive: float, begin: Standing | None = None) -> Marched | None:
+    def at(self, frequency: float, drive: float, begin: Standing | None = None) -> MarchedMotion | None:
         """March at a frequency (Hz) under a sine of an amplitude (m/s2 or N) until the motion repeats.
 
         What begins at rest is remembered: a curve's beginning is asked for by all who look for it.
@@ -158,7 +158,7 @@ class InTime:
             self._from_rest[key] = self._in_steps_enough(frequency, drive, self.at_rest(frequency))
         return self._from_rest[key]
 
-    def _in_steps_enough(self, frequency: float, drive: float, begin: Standing) -> Marched | None:
+    def _in_steps_enough(self, frequency: float, drive: float, begin: Standing) -> MarchedMotion | None:
         """March until the motion repeats, in steps that are halved until that hardly changes it."""
         highest = float(np.sqrt(np.abs(np.linalg.eigvals(self._stiffness)).max())) / (2 * pi)
         steps = max(FEWEST_STEPS_PER_CYCLE, ceil(STEPS_A_PERIOD * highest / frequency))
@@ -179,7 +179,7 @@ class InTime:
                 return found
         return found
 
-    def _repeated(self, frequency: float, drive: float, begin: Standing, steps: int) -> Marched | None:
+    def _repeated(self, frequency: float, drive: float, begin: Standing, steps: int) -> MarchedMotion | None:
         """March in so many steps a cycle until the motion repeats."""
         march = _Cycles(self, frequency, drive, steps)
         kept: list[Array] = []
@@ -201,7 +201,7 @@ class InTime:
     def _told(
         self, frequency: float, round_: int, cycles: int, changes: Sequence[float], kept: Sequence[Array],
         forces: Array, end: Standing,
-    ) -> Marched:  # fmt: skip
+    ) -> MarchedMotion:  # fmt: skip
         ranges = np.array([np.ptp(one, axis=1) / 2 for one in kept])
         # What a step ends with stands at its end: the last one is the cycle's beginning.
         points, into = (
@@ -209,7 +209,7 @@ class InTime:
             for signals in (kept[-1], forces.T)
         )
         decay = frequency * log(max(_rate(changes), np.finfo(float).tiny))
-        return Marched(
+        return MarchedMotion(
             frequency, round_, cycles, decay, 0.0, ranges.min(axis=0), ranges.max(axis=0), points, into,
             end.conditions, end,
         )  # fmt: skip

@@ -98,7 +98,7 @@ STRAIGHT_SIGN = Sign(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class ForceStep:
     """How a clamp's force steps with the velocity.
 
     Attributes:
@@ -112,7 +112,7 @@ class Step:
     sign: Sign
 
 
-def step_of(clamp: SteadyClamp) -> Step | None:
+def step_of(clamp: SteadyClamp) -> ForceStep | None:
     """Tell how a clamp's force steps with the velocity, in the middle of its law's range; None where it doesn't.
 
     What grows with a small power of the velocity is steep, but no step; what grows up to a small velocity is one that
@@ -133,21 +133,21 @@ def step_of(clamp: SteadyClamp) -> Step | None:
     first = int(np.argmax(steps))
     slow = float(tried[first])
     if slow == sharp:
-        return Step(0.0, clamp.law.v_r, STRAIGHT_SIGN)
+        return ForceStep(0.0, clamp.law.v_r, STRAIGHT_SIGN)
     speeds = np.linspace(0.0, slow, ALONG_ROUNDING)
     where = int(np.argmax(once[first]))
     sides = np.append(0.0, np.abs(_half_jumps(clamp, cycle, speeds[1:])[:, where]))
     sides /= sides[-1]
     width = 2 * float(np.sum(1 - (sides[1:] + sides[:-1]) / 2) * speeds[1])
-    return Step(slow, width, Sign(speeds / width, sides))
+    return ForceStep(slow, width, Sign(speeds / width, sides))
 
 
-def slow_speed(clamp: SteadyClamp, cycle: Motion, step: Step) -> float:
+def slow_speed(clamp: SteadyClamp, cycle: Motion, step: ForceStep) -> float:
     """Give the velocity below which a force lies between those of both sides, mm/s."""
     return max(SLOW_SHARE * float(np.abs(cycle.v).max()), FLAT * clamp.law.v_r, step.slow)
 
 
-def half_jumps(clamp: SteadyClamp, cycle: Motion, step: Step) -> Array:
+def half_jumps(clamp: SteadyClamp, cycle: Motion, step: ForceStep) -> Array:
     """Give half of what the force changes by from one side to the other, at rest, (n,)."""
     return np.asarray(_half_jumps(clamp, cycle, np.array([slow_speed(clamp, cycle, step)]))[0])
 
@@ -220,7 +220,7 @@ class Friction:
     def __init__(
         self,
         clamps: Sequence[SteadyClamp],
-        steps: Sequence[Step],
+        steps: Sequence[ForceStep],
         frequency: float,
         responses: ComplexArray,
         balanced: int,
@@ -263,7 +263,7 @@ class Friction:
         moved = self.moved(forces)
         return Rubbed(self, self._given + moved, forces + self._slopes * moved, self._jumps, sides)
 
-    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: Step) -> ComplexArray:
+    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: ForceStep) -> ComplexArray:
         """Give what a clamp's force, but for its step, answers to fast small motions, N/mm, (h,)."""
         slow = slow_speed(clamp, cycle, step)
         v = np.where(cycle.v < 0, np.minimum(cycle.v, -slow), np.maximum(cycle.v, slow))

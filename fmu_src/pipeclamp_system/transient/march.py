@@ -50,7 +50,7 @@ class Variant:
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class MarchedModels:
     """What B models say.
 
     Attributes:
@@ -65,7 +65,7 @@ class Marched:
 
 
 @one_thread()
-def march(variants: Sequence[Variant], drive: Array, step: float, every: int, orders: Sequence[int]) -> Marched:
+def march(variants: Sequence[Variant], drive: Array, step: float, every: int, orders: Sequence[int]) -> MarchedModels:
     """March models from rest through an excitation.
 
     Args:
@@ -114,7 +114,7 @@ def march(variants: Sequence[Variant], drive: Array, step: float, every: int, or
                 seen[:, done : done + filled] = np.swapaxes(block, 1, 2)
                 done, filled = done + filled, 0
     probes = len(orders)
-    return Marched(seen[:, :, :probes], seen[:, :, probes : probes + clamps], seen[:, :, probes + clamps :])
+    return MarchedModels(seen[:, :, :probes], seen[:, :, probes : probes + clamps], seen[:, :, probes + clamps :])
 
 
 class _Modal:

@@ -20,7 +20,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declaration_files import read_declaration
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
@@ -55,7 +55,7 @@ class Diagnosis(Shown):
         return self._found.effects
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         return self._found.kind
 

@@ -12,7 +12,7 @@ from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, Shown
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
-from pipeclamp_identification.discovery.proposal import Proposal, toml_of
+from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
 from pipeclamp_identification.workflow import discover as workflow
 from pipeclamp_identification.workflow.next_command import after_discovery
 from pipeclamp_identification.workflow.tests import silent
@@ -37,7 +37,7 @@ class Discovery(Shown):
     `discover` makes one; its example shows what it holds.
     """
 
-    def __init__(self, before: Law, tests: Tests, found: Proposal) -> None:
+    def __init__(self, before: Law, tests: Tests, found: TermProposal) -> None:
         self.before = before
         self.tests = tests
         self._found = found

@@ -106,7 +106,7 @@ def plan_campaign(
     <campaign of 11 runs in 0.107 h>
     """
     reach = parse_limits(limits) if limits else None
-    asked = campaign.Asked(hours, force_noise, scatter)
+    asked = campaign.PlanRequest(hours, force_noise, scatter)
     return PlannedCampaign(campaign.plan_campaign(open_law(path_of(law, "a law")), reach, asked))
 
 

@@ -84,7 +84,7 @@ def plan(
     assert output is not None
     from pipeclamp.show.campaign_plan import campaign_plan_view
     from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-    from pipeclamp_identification.planning.campaign import Asked, plan_campaign
+    from pipeclamp_identification.planning.campaign import PlanRequest, plan_campaign
     from pipeclamp_identification.planning.campaign_answer import plan_files
     from pipeclamp_identification.planning.loop_tests import RIG
     from pipeclamp_identification.workflow.next_command import after_campaign_plan
@@ -94,7 +94,7 @@ def plan(
     noise = RIG.force_noise if force_noise is None else force_noise
     with told("plan") as tell:
         reach = parse_limits(limits) if limits else None
-        asked = Asked(hours, noise, scatter, times=RigTimes(heating, soak, pause), seed=seed)
+        asked = PlanRequest(hours, noise, scatter, times=RigTimes(heating, soak, pause), seed=seed)
         found = plan_campaign(opened_law(law), reach, asked, tell)
     write_folder(output, plan_files(found, output.name, command_called()))
     following = after_campaign_plan(str(output))

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.drawn import MOST_POINTS, DrawnRun, drawn_runs
-from pipeclamp_identification.comparison.laws import HeldLaw
+from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array
 
@@ -20,7 +20,9 @@ LEAST_POINTS = 32
 LARGEST_INT16 = 32_767
 
 
-def explored(loops: Loops, laws: Sequence[HeldLaw], conditions: Sequence[Condition], title: str) -> Mapping[str, Any]:
+def explored(
+    loops: Loops, laws: Sequence[ComparedLaw], conditions: Sequence[Condition], title: str
+) -> Mapping[str, Any]:
     """Give what a page needs to draw any run under any of the laws.
 
     Args:

@@ -18,7 +18,7 @@ _BOUND = "\0"
 
 
 @dataclass(frozen=True)
-class Layout:
+class TableLayout:
     """A table's cells as they are printed, each with its line breaks.
 
     Attributes:
@@ -34,7 +34,9 @@ class Layout:
     rows: Sequence[Sequence[str]]
 
 
-def layout(header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[bool], width: int) -> Layout | None:
+def layout(
+    header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[bool], width: int
+) -> TableLayout | None:
     """Lay a table out in at most so many characters; None where it is too wide to be read so.
 
     Args:
@@ -51,7 +53,7 @@ def layout(header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequen
             heads, widths = found
             lines = [wrapped(head, size).replace(_BOUND, " ") for head, size in zip(heads, widths, strict=True)]
             cells = [[wrapped(text, size) for text, size in zip(row, widths, strict=True)] for row in rows]
-            return Layout(ruled, widths, lines, cells)
+            return TableLayout(ruled, widths, lines, cells)
     return None
 
 

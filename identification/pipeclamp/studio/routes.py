@@ -26,7 +26,7 @@ from pipeclamp.studio.loop_picture import run_picture
 from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
-from pipeclamp.studio.told import Told, ToldCandidate
+from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
@@ -283,14 +283,14 @@ def _candidate(opened: Opened, law: str, candidate: str) -> Law:
     return with_candidate(file, found.effects, found.values)
 
 
-def _among(told: Told, law: str, candidate: str) -> ToldCandidate:
+def _among(told: ToldDiagnosis, law: str, candidate: str) -> ToldCandidate:
     found = next((each for each in told.candidates if each.name == candidate), None)
     if found is None:
         raise UserError(f"{candidate!r}: no candidate of {law}'s diagnosis; diagnose it first")
     return found
 
 
-def _told(opened: Opened, law: str, file: LawFile) -> Told:
+def _told(opened: Opened, law: str, file: LawFile) -> ToldDiagnosis:
     told = overview.told_in(opened.project, law, file)
     if told is None:
         raise UserError(f"{law}: hasn't been diagnosed; do that first")

@@ -9,7 +9,7 @@ from math import degrees, exp, log, pi
 
 from pipeclamp_identification.attribution.misstated import moved, moves, place_words
 from pipeclamp_identification.attribution.suspect import Side, Suspect, Values
-from pipeclamp_identification.on_pipe.instrument import Channel, Instrument
+from pipeclamp_identification.on_pipe.instrument import Instrument, SensorChannel
 from pipeclamp_identification.on_pipe.measurement import UNITS, MeasurementDescription
 from pipeclamp_identification.on_pipe.model import CoupledModel
 
@@ -29,7 +29,7 @@ MOST_RATE = log(2.0)
 SAME_UNIT = 0.03
 """Share within which a gain is that of two units."""
 
-Turned = Callable[[Instrument, Channel], Instrument]
+Turned = Callable[[Instrument, SensorChannel], Instrument]
 """Puts what a channel does besides into a measuring chain."""
 
 
@@ -80,7 +80,7 @@ def _gain(name: str, words: str, turned: Turned, ratios: dict[str, float]) -> Su
 
     return Suspect(
         id=f"{name}.gain", side=SIDE, kind="a calibration", words=f"the calibration of {words}",
-        change=partial(_turned, turned, lambda value: Channel(gain=exp(value))), told=told, starts=GAINS,
+        change=partial(_turned, turned, lambda value: SensorChannel(gain=exp(value))), told=told, starts=GAINS,
         lower=(-LARGEST_GAIN,), upper=(LARGEST_GAIN,),
     )  # fmt: skip
 
@@ -88,12 +88,12 @@ def _gain(name: str, words: str, turned: Turned, ratios: dict[str, float]) -> Su
 def _late(name: str, words: str, turned: Turned) -> Iterator[Suspect]:
     yield Suspect(
         id=f"{name}.phase", side=SIDE, kind="a phase", words=f"the phase or the sign of {words}",
-        change=partial(_turned, turned, lambda value: Channel(phase=value)), told=_phase_words, starts=PHASES,
+        change=partial(_turned, turned, lambda value: SensorChannel(phase=value)), told=_phase_words, starts=PHASES,
         lower=(-FULL_TURN,), upper=(FULL_TURN,),
     )  # fmt: skip
     yield Suspect(
         id=f"{name}.delay", side=SIDE, kind="a delay", words=f"the delay of {words}",
-        change=partial(_turned, turned, lambda value: Channel(delay=1e-3 * value)),
+        change=partial(_turned, turned, lambda value: SensorChannel(delay=1e-3 * value)),
         told=lambda values, errors: f"{values[0]:.3g} ± {errors[0]:.1g} ms late",
         starts=DELAYS, lower=(-LONGEST_DELAY,), upper=(LONGEST_DELAY,),
     )  # fmt: skip
@@ -110,24 +110,26 @@ def _rate_words(values: Values, errors: Values) -> str:
     return f"true frequencies are {rate:.5g} ± {rate * errors[0]:.1g} times the stated ones"
 
 
-def _turned(turned: Turned, channel: Callable[[float], Channel], model: CoupledModel, values: Values) -> CoupledModel:
+def _turned(
+    turned: Turned, channel: Callable[[float], SensorChannel], model: CoupledModel, values: Values
+) -> CoupledModel:
     if values[0] == 0:
         return model
     return replace(model, instrument=turned(model.instrument, channel(values[0])))
 
 
-def _on_sensors(names: Iterable[str], instrument: Instrument, more: Channel) -> Instrument:
+def _on_sensors(names: Iterable[str], instrument: Instrument, more: SensorChannel) -> Instrument:
     for name in names:
         instrument = instrument.with_sensor(name, _after(instrument.sensor(name), more))
     return instrument
 
 
-def _on_excitation(instrument: Instrument, more: Channel) -> Instrument:
+def _on_excitation(instrument: Instrument, more: SensorChannel) -> Instrument:
     return replace(instrument, excitation=_after(instrument.excitation, more))
 
 
-def _after(channel: Channel, more: Channel) -> Channel:
-    return Channel(channel.gain * more.gain, channel.phase + more.phase, channel.delay + more.delay)
+def _after(channel: SensorChannel, more: SensorChannel) -> SensorChannel:
+    return SensorChannel(channel.gain * more.gain, channel.phase + more.phase, channel.delay + more.delay)
 
 
 def _stretched(model: CoupledModel, values: Values) -> CoupledModel:

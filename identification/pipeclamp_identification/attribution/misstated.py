@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from math import exp
 
-from pipeclamp_identification.attribution.suspect import A_FACTOR, Search, Suspect, Values, factor_words
+from pipeclamp_identification.attribution.suspect import A_FACTOR, Suspect, Values, ValueSearch, factor_words
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_models.pipe.description import MaterialTable, PipeDescription, Place
 from pipeclamp_models.pipe.materials import COLD
@@ -52,11 +52,11 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
         )
 
 
-def moves(position: float, length: float) -> Search:
+def moves(position: float, length: float) -> ValueSearch:
     """Give starts and bounds of a displacement (m) of something at a position on a pipe of some length."""
     steps = (side * share * length for share in POSITION_SHARES for side in (-1, 1))
     inside = tuple((step,) for step in steps if 0 < position + step < length)
-    return Search(inside, (-position,), (length - position,))
+    return ValueSearch(inside, (-position,), (length - position,))
 
 
 def moved(place: Place, distance: float) -> Place:

@@ -38,7 +38,7 @@ AT_LEAST = 0.02
 
 
 @dataclass(frozen=True)
-class Proposal:
+class PipeTestProposal:
     """A test that would tell refitted models apart.
 
     Attributes:
@@ -73,7 +73,7 @@ class Tested:
     temperature: float | None
 
 
-def propose(attribution: Attribution, compared: Compared) -> Proposal | None:
+def propose(attribution: Attribution, compared: Compared) -> PipeTestProposal | None:
     """Propose the sines at which the named candidates differ most; None where none is found that tells more."""
     named = attribution.named[:3]
     if len(named) < 2:
@@ -92,7 +92,7 @@ def propose(attribution: Attribution, compared: Compared) -> Proposal | None:
                 best = apart, words
     if best is None or best[0] < max(AT_LEAST, 1.5 * now):
         return None
-    return Proposal(best[1], best[0], now)
+    return PipeTestProposal(best[1], best[0], now)
 
 
 def tested(compared: Compared) -> Tested:

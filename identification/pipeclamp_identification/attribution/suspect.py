@@ -61,7 +61,7 @@ class Suspect:
 
 
 @dataclass(frozen=True)
-class Search:
+class ValueSearch:
     """Where a search for values begins, and within which bounds; as of `Suspect`."""
 
     starts: tuple[Values, ...]
@@ -69,7 +69,7 @@ class Search:
     upper: Values
 
 
-A_FACTOR = Search(tuple((value,) for value in LOG_FACTORS), (-LARGEST_LOG_FACTOR,), (LARGEST_LOG_FACTOR,))
+A_FACTOR = ValueSearch(tuple((value,) for value in LOG_FACTORS), (-LARGEST_LOG_FACTOR,), (LARGEST_LOG_FACTOR,))
 """Of a factor by its logarithm."""
 
 

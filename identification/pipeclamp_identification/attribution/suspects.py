@@ -14,9 +14,9 @@ from pipeclamp_identification.attribution.suspect import (
     LARGEST_LOG_FACTOR,
     LOG_FACTORS,
     Change,
-    Search,
     Suspect,
     Values,
+    ValueSearch,
     amount_words,
     factor_words,
 )
@@ -26,8 +26,8 @@ from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_models.effects.cubic_stiffness import k3
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law
-from pipeclamp_models.pipe.description import Condition, Damping, PipeDescription, PointMass, Springs
-from pipeclamp_models.pipe.modes import CONDITION_STIFFNESS as RIGIDLY_HELD
+from pipeclamp_models.pipe.description import Damping, EndCondition, PipeDescription, PointMass, Springs
+from pipeclamp_models.pipe.modes import CONDITION_STIFFNESS
 from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.steady.clamp import SteadyClamp
 
@@ -139,7 +139,7 @@ def _held(pipe: PipeDescription) -> Iterator[Suspect]:
     length = pipe.pipe.length_m
     bending = beam_of(pipe).bending_stiffness
     own = Springs(stiffness_N_mm=48e-3 * bending / length**3, rotational_stiffness_Nm_rad=bending / length)
-    places: list[tuple[str | int, str, Condition, str]] = [
+    places: list[tuple[str | int, str, EndCondition, str]] = [
         ("left", "left", pipe.ends.left, "the left end"),
         ("right", "right", pipe.ends.right, "the right end"),
         *(
@@ -174,10 +174,10 @@ class _Holding:
 
     stiffness: Callable[[float], float]
     told: Callable[[Values, Values], str]
-    search: Search
+    search: ValueSearch
 
 
-def _holding(condition: Condition, name: str, own: Springs, unit: str) -> _Holding | None:
+def _holding(condition: EndCondition, name: str, own: Springs, unit: str) -> _Holding | None:
     """Give how a stiffness may be wrong; None where it is left out.
 
     What is rigid gives way by a compliance, counted in that of the pipe; a pin may hold the slope by a stiffness,
@@ -189,7 +189,7 @@ def _holding(condition: Condition, name: str, own: Springs, unit: str) -> _Holdi
         if not stated:
             return None
         return _Holding(lambda value: stated * exp(value), partial(factor_words, "", stated, unit), A_FACTOR)
-    shares = Search(tuple((share,) for share in SHARE_STARTS), (0.0,), (100.0,))
+    shares = ValueSearch(tuple((share,) for share in SHARE_STARTS), (0.0,), (100.0,))
     if getattr(_springs(condition, own), name):
         return _Holding(lambda value: size / max(value, 1 / RIGID_SIDE), partial(_compliance_words, size, unit), shares)
     if condition == "pinned":
@@ -197,11 +197,11 @@ def _holding(condition: Condition, name: str, own: Springs, unit: str) -> _Holdi
     return None
 
 
-def _springs(condition: Condition, own: Springs) -> Springs:
+def _springs(condition: EndCondition, own: Springs) -> Springs:
     """Give a condition as springs, far stiffer than the pipe where it is rigid."""
     if isinstance(condition, Springs):
         return condition
-    displacement, slope = (RIGID_SIDE if stiffness else 0.0 for stiffness in RIGIDLY_HELD[condition])
+    displacement, slope = (RIGID_SIDE if stiffness else 0.0 for stiffness in CONDITION_STIFFNESS[condition])
     return Springs(
         stiffness_N_mm=displacement * own.stiffness_N_mm,
         rotational_stiffness_Nm_rad=slope * own.rotational_stiffness_Nm_rad,
@@ -251,7 +251,7 @@ def _damping(pipe: PipeDescription) -> Suspect:
     if stated.ratio:
         told = partial(factor_words, "", 100 * stated.ratio, "% of critical")
     if not any(value for value in stated.model_dump().values()):
-        change, search = damped_at_all, Search(((0.3,), (1.0,), (3.0,)), (0.0,), (50.0,))
+        change, search = damped_at_all, ValueSearch(((0.3,), (1.0,), (3.0,)), (0.0,), (50.0,))
         told = partial(amount_words, 100 * SMALL_RATIO, "% of critical", "instead of none")
     return Suspect(
         id="damping",

@@ -234,10 +234,10 @@ def _goes_on(values: Array) -> bool:
     return late * early > 0 and abs(late) >= GOES_ON_SHARE * abs(early)
 
 
-Found = dict[str, Change]
+FoundChanges = dict[str, Change]
 
 
-def _force_zeros(found: Mapping[str, InRecord]) -> Found:
+def _force_zeros(found: Mapping[str, InRecord]) -> FoundChanges:
     """Find mean forces that drift while position and loop stay."""
     every = _of_all([one.mean_force for one in found.values()])
     drifts = {}
@@ -259,7 +259,7 @@ def _of_all(changes: Sequence[Change]) -> bool:
     return Change(float(np.mean(sizes)), error, len(sizes) - 1).is_real(1, ZERO_SHARE)
 
 
-def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
+def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> FoundChanges:
     """Find mean positions that drift.
 
     Args:
@@ -278,7 +278,7 @@ def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
     return drifts
 
 
-def _force_gains(found: Mapping[str, InRecord]) -> Found:
+def _force_gains(found: Mapping[str, InRecord]) -> FoundChanges:
     """Find forces of which stiffness and damping change in one ratio, while the motion stays."""
     drifts = {}
     for run, one in found.items():
@@ -301,7 +301,7 @@ def alike(one: Change, other: Change) -> Change | None:
     return Change(size, float(weights.sum() ** -0.5), min(one.freedoms, other.freedoms))
 
 
-def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) -> Found:
+def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) -> FoundChanges:
     """Find amplitudes that change without the force that such a change makes from run to run."""
     exponent = _force_over_amplitude(runs)
     drifts = {}
@@ -324,7 +324,7 @@ def _force_over_amplitude(runs: Sequence[Watched]) -> float:
 
 
 def _fault(
-    drifts: Found, channel: Channel, kind: FaultKind, unit: str, done: Done, runs: Sequence[Watched]
+    drifts: FoundChanges, channel: Channel, kind: FaultKind, unit: str, done: Done, runs: Sequence[Watched]
 ) -> SensorFault | None:
     """Put the runs that show a drift into one fault, sizes in its unit."""
     if not drifts:

@@ -16,12 +16,12 @@ from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors
 from pipeclamp_identification.units.doubts import ShownRun, contradicted_units, unlikely_units
 from pipeclamp_models.base.errors import UserError
 
-Settings = tuple[float | None, float | None]
+NominalSettings = tuple[float | None, float | None]
 """Amplitude in mm and frequency in Hz as they were stated; None where they weren't, or the record contradicts them."""
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedRuns:
     """What a campaign's runs show together.
 
     Attributes:
@@ -37,7 +37,7 @@ class Judged:
     sines: Mapping[str, SeenSine]
     free: Mapping[str, SeenFree]
     left_out: tuple[LeftOut, ...]
-    settings: Mapping[str, Settings]
+    settings: Mapping[str, NominalSettings]
     sensors: Sensors
     faults: tuple[SensorFault, ...]
     doubts: tuple[str, ...]
@@ -51,7 +51,7 @@ def judge(
     strict: bool = False,
     *,
     time_measured: bool = True,
-) -> Judged:
+) -> JudgedRuns:
     """Judge the runs of a campaign.
 
     Args:
@@ -85,7 +85,7 @@ def judge(
     kept = {run: one for run, one in sines.items() if run not in left_out}
     settings, contradicted = _settings(kept)
     failures = [(one.run, one.failure) for one in lost if one.failure and one.run not in sensors.failed]
-    return Judged(
+    return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
         free=moving,
         left_out=lost,
@@ -130,7 +130,7 @@ def _observed(row: RunRow, seen: SeenSine) -> Observed:
     )
 
 
-def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, Settings], tuple[str, ...]]:
+def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, NominalSettings], tuple[str, ...]]:
     """Give amplitudes and frequencies but for those that records contradict, and words about these."""
     amplitudes = [(row.amplitude_mm, one.shown.amplitude_mm) for row, one in sines.values()]
     frequencies = [(row.frequency_Hz, one.cycles.frequency_Hz) for row, one in sines.values()]

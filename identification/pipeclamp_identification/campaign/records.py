@@ -21,7 +21,7 @@ from pipeclamp_models.base.tables import pl
 from pipeclamp_models.base.units import CELSIUS
 
 
-class _Reader(Protocol):
+class _LineReader(Protocol):
     """Rows of a CSV reader, and the line that it is at."""
 
     @property
@@ -203,7 +203,7 @@ def _first_bad_cell(path: Path, content: bytes, header: list[str], theirs: list[
         return f"{path}, row {reader.line_num}: is no valid CSV: {error}"
 
 
-def _first_bad_row(path: Path, reader: _Reader, header: list[str], theirs: list[str]) -> str | None:
+def _first_bad_row(path: Path, reader: _LineReader, header: list[str], theirs: list[str]) -> str | None:
     next(reader, None)
     for cells in reader:
         if len(cells) > len(header):

@@ -42,7 +42,7 @@ SAME_OF_RANGE = 0.02
 
 
 @dataclass(frozen=True)
-class Part:
+class ErrorPart:
     """A part of the error.
 
     Attributes:
@@ -82,14 +82,14 @@ class Breakdown:
     """
 
     by: str
-    parts: tuple[Part, ...]
+    parts: tuple[ErrorPart, ...]
 
     @property
     def squared_error(self) -> float:
         """Sum over the parts, N2."""
         return sum(part.squared_error for part in self.parts)
 
-    def noise_share(self, part: Part) -> float | None:
+    def noise_share(self, part: ErrorPart) -> float | None:
         """Give the scatter in a part as a share of the whole squared error; None where it isn't known."""
         if part.squared_scatter is None or self.squared_error <= 0.0:
             return None
@@ -100,16 +100,16 @@ class Breakdown:
         """Squared error beyond scatter, N2."""
         return sum(part.squared_error - (part.squared_scatter or 0.0) for part in self.parts)
 
-    def share(self, part: Part) -> float:
+    def share(self, part: ErrorPart) -> float:
         """Give the share of the squared error that lies in a part."""
         return part.squared_error / self.squared_error if self.squared_error > 0.0 else 0.0
 
-    def excess_share(self, part: Part) -> float:
+    def excess_share(self, part: ErrorPart) -> float:
         """Give the share of the squared error beyond scatter; below zero where a part errs by less than its scatter."""
         excess = self.excess
         return (part.squared_error - (part.squared_scatter or 0.0)) / excess if excess > 0.0 else 0.0
 
-    def even_share(self, part: Part) -> float:
+    def even_share(self, part: ErrorPart) -> float:
         """Give the share that the part would have if every run's error were spread evenly."""
         return part.squared_force / sum(entry.squared_force for entry in self.parts)
 
@@ -118,7 +118,7 @@ class Breakdown:
         """Return the share of the error that would have to move to be spread evenly."""
         return sum(abs(self.share(part) - self.even_share(part)) for part in self.parts) / 2
 
-    def worst_first(self) -> list[Part]:
+    def worst_first(self) -> list[ErrorPart]:
         """Give the parts by falling error."""
         return sorted(self.parts, key=lambda part: -(part.nrmse or 0.0))
 
@@ -214,7 +214,7 @@ def by_branch(sums: Sequence[RunSums]) -> Breakdown:
     return Breakdown("branch", _phase_parts(sums, list(BRANCHES), [place_of(index)[1] for index in range(PHASE_BINS)]))
 
 
-def _phase_parts(sums: Sequence[RunSums], labels: Sequence[str], part_of_bin: Sequence[int]) -> tuple[Part, ...]:
+def _phase_parts(sums: Sequence[RunSums], labels: Sequence[str], part_of_bin: Sequence[int]) -> tuple[ErrorPart, ...]:
     def total(by_phase: Array) -> Array:
         return np.bincount(part_of_bin, by_phase, len(labels)).astype(np.float64)
 
@@ -302,7 +302,7 @@ def along_cycles(sums: Sequence[RunSums]) -> Breakdown:
         samples = [float(np.sum(run.samples_by_cycle[first:end])) / run.samples for run in chosen]
         scatter = sum(share * run.squared_scatter for share, run in zip(samples, chosen, strict=True))
         parts.append(
-            Part(
+            ErrorPart(
                 f"cycle {first + 1}" if end == first + 1 else f"cycles {first + 1} to {end}",
                 sum(float(np.sum(run.by_cycle[first:end])) for run in chosen),
                 scatter if _known(chosen) else None,
@@ -387,9 +387,9 @@ def by_condition(sums: Sequence[RunSums], condition: Condition) -> Breakdown:
     )
 
 
-def part_of_runs(label: str, sums: Sequence[RunSums]) -> Part:
+def part_of_runs(label: str, sums: Sequence[RunSums]) -> ErrorPart:
     """Give the part of the error that some runs have."""
-    return Part(
+    return ErrorPart(
         label,
         sum(run.squared_error for run in sums),
         sum(run.squared_scatter for run in sums) if _known(sums) else None,
@@ -404,9 +404,9 @@ def _known(sums: Sequence[RunSums]) -> bool:
 
 def _parts(
     labels: Sequence[str], error: Array, scatter: Array, force: Array, sums: Sequence[RunSums]
-) -> tuple[Part, ...]:
+) -> tuple[ErrorPart, ...]:
     known = _known(sums)
     return tuple(
-        Part(label, float(one), float(other) if known else None, float(even), len(sums))
+        ErrorPart(label, float(one), float(other) if known else None, float(even), len(sums))
         for label, one, other, even in zip(labels, error, scatter, force, strict=True)
     )

@@ -17,7 +17,7 @@ from pipeclamp_identification.comparison.breakdown import (
     LOOP_PLACES,
     Breakdown,
     Condition,
-    Part,
+    ErrorPart,
     stated_conditions,
 )
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
@@ -171,7 +171,8 @@ def by_component(samples: Sequence[FreeSamples]) -> Breakdown:
         error[-1] += max(float(off @ off - np.sum((off @ basis) ** 2)), 0.0)
     force = sum(one.misfit.squared_force for one in samples)
     parts = (
-        Part(label, float(square), None, force, len(samples)) for label, square in zip(COMPONENTS, error, strict=True)
+        ErrorPart(label, float(square), None, force, len(samples))
+        for label, square in zip(COMPONENTS, error, strict=True)
     )
     return Breakdown("component", tuple(parts))
 
@@ -215,7 +216,7 @@ def _broken(by: str, labels: Sequence[str], samples: Sequence[FreeSamples], inde
     return Breakdown(
         by,
         tuple(
-            Part(label, float(error[place]), None, float(force[place]), int(runs[place]))
+            ErrorPart(label, float(error[place]), None, float(force[place]), int(runs[place]))
             for place, label in enumerate(labels)
             if runs[place]
         ),

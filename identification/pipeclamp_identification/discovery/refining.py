@@ -9,7 +9,7 @@ from typing import TypeAlias
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
 from pipeclamp_identification.discovery.guards import (
@@ -18,7 +18,7 @@ from pipeclamp_identification.discovery.guards import (
     surely_better,
     surely_worse,
 )
-from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
+from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm, TermFound, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
@@ -52,7 +52,7 @@ class Refining:
     jobs: int
     progress: Progress
 
-    def of(self, found: Found, best: Refitted, hearing: Hearing) -> Found:
+    def of(self, found: TermFound, best: RefittedTerm, hearing: Hearing) -> TermFound:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
 
         A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no
@@ -73,7 +73,7 @@ class Refining:
             return plain
         return replace(found, judged=weighed_as(found.judged, asked.evaluation.problem), law=asked.bar.law)
 
-    def _one_more(self, best: Refitted, hearing: Hearing) -> tuple[Found, Refitted, Hearing] | None:
+    def _one_more(self, best: RefittedTerm, hearing: Hearing) -> tuple[TermFound, RefittedTerm, Hearing] | None:
         """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
         self.progress(f"refine {best.term.acts_like}")
         shorter = [one for one in hearing.refitted if one.term.declaration.id in best.term.shorter]
@@ -107,7 +107,7 @@ class Refining:
         found = wider.of(best, rivals)
         return (found, best, wider) if found.passed else None
 
-    def _freed(self, one: Refitted) -> Iterator[Form]:
+    def _freed(self, one: RefittedTerm) -> Iterator[Form]:
         """Give a term with each of its numbers freed, and values to start from."""
         values = one.judged.result.law.values
         for term, starts in refinements(one.term, values, *self.varied):
@@ -115,7 +115,7 @@ class Refining:
             yield term, [{**values, new: start} for start in starts]
 
 
-def _beside(one: Refitted, hearing: Hearing) -> Iterator[Form]:
+def _beside(one: RefittedTerm, hearing: Hearing) -> Iterator[Form]:
     """Give a term with each of the second terms that explain most of what it leaves over, and values to start from."""
     fitted, values = one.judged.fitted, one.judged.result.law.values
     strength = values[linear_symbol(one.term.family)]
@@ -129,11 +129,11 @@ def _beside(one: Refitted, hearing: Hearing) -> Iterator[Form]:
         yield joined(one.term, column.term, strength), [{**values, **_of_second(column), SHARE: share}]
 
 
-def _of_second(column: Column) -> dict[str, float]:
+def _of_second(column: TermColumn) -> dict[str, float]:
     return {f"{name.removesuffix('_x')}_b_x": value for name, value in column.values.items()}
 
 
-def betters(best: Refitted, plain: Refitted, tried: Sequence[Refitted], hearing: Hearing) -> bool:
+def betters(best: RefittedTerm, plain: RefittedTerm, tried: Sequence[RefittedTerm], hearing: Hearing) -> bool:
     """Tell whether a refined form passes against the plain one what that must pass against the law, or does no harm.
 
     Args:

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 
 FLIPS = 400
@@ -45,7 +45,7 @@ class Screened:
         lengths: of the changes before they were made unit, shape (C,).
     """
 
-    columns: Sequence[Column]
+    columns: Sequence[TermColumn]
     free: npt.NDArray[np.float32]
     by_run: tuple[Array, Array]
     groups: IntArray
@@ -130,7 +130,7 @@ class Screened:
         return np.asarray(np.abs(self.free.T @ self.free[:, place]) > least)
 
 
-def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
+def screened(columns: Sequence[TermColumn], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
     """Free columns of what a law's parameters can do.
 
     Args:

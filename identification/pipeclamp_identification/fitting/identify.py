@@ -20,6 +20,7 @@ from pipeclamp_identification.fitting.observations import LoopObservations, coar
 from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_identification.loops.loops import PRELOADED, Loops, loops_of, per_cycle
+from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown
@@ -37,7 +38,6 @@ from pipeclamp_models.law.file import (
     HistoryStep,
     Interval,
     LawFile,
-    LeftOutRun,
     Prior,
     RunQuality,
 )
@@ -273,7 +273,7 @@ def data_source(
         name=name,
         fingerprint=fingerprint,
         runs_used=runs_used,
-        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in left_out),
+        left_out=left_out_runs(left_out),
         time_measured=None if time_measured else False,
     )
 

@@ -29,10 +29,10 @@ from pipeclamp_identification.metrics_only.thresholds import (
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
-from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, weigh
+from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import Kind, Verdict
+from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
 COARSE_SAMPLES = 64
@@ -61,7 +61,7 @@ class MetricDiagnosis:
         tested_once: conditions that the named effect follows and of which every level but one has a single run.
     """
 
-    found: Weighed
+    found: MetricWeighed
     scales: MetricScales
     candidates: tuple[MetricJudged, ...]
     pairs: tuple[MetricJudged, ...]
@@ -113,7 +113,7 @@ class MetricDiagnosis:
         return next(iter(self.found.laws), None)
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """Whether what is named first explains nearly all that the metrics show missing, or takes a part of it."""
         if self.named is None:
             return None

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Breakdown, Part
+from pipeclamp_identification.comparison.breakdown import Breakdown, ErrorPart
 from pipeclamp_identification.comparison.concentration import Factor, Region, densest, region_sentence
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_description
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
 from pipeclamp_identification.on_pipe.record_files import MotionRecord, read_motion_records
-from pipeclamp_identification.on_pipe.record_motion import Conditions, RecordPrediction, steps_between
+from pipeclamp_identification.on_pipe.record_motion import AmplitudesAndFrequencies, RecordPrediction, steps_between
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.said import counted
@@ -62,7 +62,7 @@ class RecordPair:
         return self.prediction.computed
 
     @property
-    def conditions(self) -> Conditions:
+    def conditions(self) -> AmplitudesAndFrequencies:
         """A (mm) and f (Hz) that each clamp's law was taken for."""
         return self.prediction.conditions
 
@@ -165,7 +165,7 @@ class RecordsComparison:
         others = tuple(other for other in range(3) if other != axis)
         error, measured = (squares.sum(axis=others).tolist() for squares in self.squares)
         parts = [
-            Part(label, one, None, even, len(self.pairs))
+            ErrorPart(label, one, None, even, len(self.pairs))
             for label, one, even in zip(labels, error, measured, strict=True)
         ]
         return Breakdown(by, tuple(parts))

@@ -17,7 +17,7 @@ from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTE
 from pipeclamp_identification.planning.scene import Scene, scene
 from pipeclamp_identification.planning.schedule import (
     LABORATORY,
-    Condition,
+    AmplitudeAndFrequency,
     ScheduledRun,
     hours_of,
     scheduled,
@@ -42,7 +42,7 @@ PROFILE = PROFILES[SINE]
 
 
 @dataclass(frozen=True)
-class Asked:
+class PlanRequest:
     """What a campaign is planned for.
 
     Attributes:
@@ -80,7 +80,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Stage:
+class PlanStage:
     """What is known after a block: hours, and the rms force above which nine of ten effects are named; None: none."""
 
     temperature_C: float
@@ -90,7 +90,7 @@ class Stage:
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedPlan:
     """A plan that was looked at: its hours, its runs, what it names, and how many effects it can tell."""
 
     hours: float
@@ -116,18 +116,18 @@ class CampaignPlan:
     """
 
     law: str
-    asked: Asked
+    asked: PlanRequest
     limits: Limits
     runs: tuple[ScheduledRun, ...]
     repeats: int
     hours: float
     power: Power
-    stages: tuple[Stage, ...]
-    tried: tuple[Tried, ...]
+    stages: tuple[PlanStage, ...]
+    tried: tuple[TriedPlan, ...]
 
 
 def plan_campaign(
-    file: LawFile, limits: Limits | None = None, asked: Asked | None = None, progress: Progress | None = None
+    file: LawFile, limits: Limits | None = None, asked: PlanRequest | None = None, progress: Progress | None = None
 ) -> CampaignPlan:
     """Give the campaign that names the most and the smallest effects within its hours.
 
@@ -140,7 +140,7 @@ def plan_campaign(
     Raises:
         UsageError: nothing can be driven within the limits, or no campaign fits into the hours.
     """
-    asked = asked or Asked()
+    asked = asked or PlanRequest()
     asked.check()
     levels = _Levels(_within(file, limits))
     levels.refuse_force(peak_forces(file, levels.grid))
@@ -149,13 +149,13 @@ def plan_campaign(
         shortest = f"; the shortest takes {min(hours for hours, *_ in schedules):.2g} h" if schedules else ""
         raise UsageError(f"--hours: got {asked.hours:g}; no campaign fits into that{shortest}")
     view = scene(file, levels.grid, asked.noise_N, asked.rate, asked.scatter, progress)
-    tried: list[Tried] = []
-    fitting: list[tuple[Tried, int, tuple[ScheduledRun, ...], Power]] = []
+    tried: list[TriedPlan] = []
+    fitting: list[tuple[TriedPlan, int, tuple[ScheduledRun, ...], Power]] = []
     for hours, repeats, runs in schedules:
         if hours > LONGER * asked.hours:
             continue
         found = power(view, levels.counted(runs))
-        one = Tried(hours, len(runs), found.from_newtons, int(found.told.sum()))
+        one = TriedPlan(hours, len(runs), found.from_newtons, int(found.told.sum()))
         tried.append(one)
         if hours <= asked.hours:
             fitting.append((one, repeats, runs, found))
@@ -169,7 +169,7 @@ def plan_campaign(
     )
 
 
-def _schedules(levels: _Levels, asked: Asked) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
+def _schedules(levels: _Levels, asked: PlanRequest) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
     """Give hours, repeats and runs of campaigns, of each choice of levels up to the first that takes far too long."""
     for counts in itertools.product(*LEVEL_COUNTS.values()):
         conditions, temperatures = levels.some(*counts)
@@ -211,7 +211,7 @@ class _Levels:
         """Leave out conditions that ask for more than the rig's force, by the law's largest there, N, shape (R,)."""
         self._rows = {one: place for one, place in self._rows.items() if peak[place] <= self.limits.force}
 
-    def some(self, A: int, f: int, T: int) -> tuple[list[Condition], list[float]]:
+    def some(self, A: int, f: int, T: int) -> tuple[list[AmplitudeAndFrequency], list[float]]:
         """Give so many levels of each, evenly chosen: the conditions of a block, and the temperatures."""
         temperatures = _spread(self.T, T)
         pairs = itertools.product(_spread(self.A, A), _spread(self.f, f))
@@ -231,13 +231,13 @@ def _spread(levels: Array, count: int) -> list[float]:
     return [float(value) for value in levels[places]]
 
 
-def _stages(runs: Sequence[ScheduledRun], levels: _Levels, view: Scene, asked: Asked) -> Iterator[Stage]:
+def _stages(runs: Sequence[ScheduledRun], levels: _Levels, view: Scene, asked: PlanRequest) -> Iterator[PlanStage]:
     """Give what is known after each block."""
     for block in range(1, runs[-1].block + 1):
         so_far = [run for run in runs if run.block <= block]
         found = power(view, levels.counted(so_far))
         newtons = found.from_newtons
-        yield Stage(
+        yield PlanStage(
             so_far[-1].temperature_C, hours_of(so_far, asked.times), newtons if math.isfinite(newtons) else None,
             int(found.told.sum()),
         )  # fmt: skip

@@ -152,7 +152,7 @@ def plan_tests(
     wanted = max(every, key=lambda one: one.deviation(system.unknown.covariance) / one.amplitude)
     tell("the band as it is")
     before = system.bands(wanted.curve, per_cent).peaks[wanted.point]
-    search = _Search(path, system, wanted, before, per_cent, response.clamp_names)
+    search = _NarrowingSearch(path, system, wanted, before, per_cent, response.clamp_names)
     fields = [search.tests_of(law, limits, noise_N) for law in dict.fromkeys(system.unknown.laws)]
     if not any(len(field) for field, _ in fields):
         said = "; ".join(dict.fromkeys(words for _, words in fields))
@@ -209,7 +209,7 @@ class _Known:
     files: Mapping[VariedLaw, LawFile]
 
 
-class _Search:
+class _NarrowingSearch:
     """The tests that narrow the band of one peak."""
 
     def __init__(

@@ -35,7 +35,7 @@ from pipeclamp_models.realise.motion import Motion
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedCatalogue:
     """What comes of trying the catalogue on tests in which an effect is hidden.
 
     Attributes:
@@ -83,7 +83,7 @@ class Trial:
                 continue
         self._plain = plain.in_units(plain.loops.harmonics[None])
 
-    def of(self, effect: str, law: Law) -> Tried:
+    def of(self, effect: str, law: Law) -> TriedCatalogue:
         """Give what comes of tests of a law with an effect."""
         seen = self._observed(law)
         structure = self._bare.structure
@@ -116,7 +116,7 @@ class Trial:
                 others.append((result.law.structure.effects[-1], result))
         others.sort(key=lambda one: one[1].cost)
         promising = next(name for name in best_first if name != effect)
-        return Tried(found, effect_id(others[0][0]) if others else promising, tuple(others))
+        return TriedCatalogue(found, effect_id(others[0][0]) if others else promising, tuple(others))
 
     def _grown(self, name: str, smaller: Fit, seen: WhitenedObservations) -> Fit:
         """Give the larger members of an effect where each does clearly better."""

@@ -38,7 +38,7 @@ DOUBLINGS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class RivalEffect:
     """Another effect, refitted to what an effect does.
 
     Attributes:
@@ -69,7 +69,7 @@ class Hidden:
     newtons: float
     tried_from: float
     nearest: str
-    rivals: tuple[Rival, ...]
+    rivals: tuple[RivalEffect, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +196,7 @@ def _hidden(
     return untried
 
 
-def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Scene) -> Rival:
+def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Scene) -> RivalEffect:
     """Give what another effect, refitted, leaves over of harmonics that are seen, N, shape (R, m)."""
     force, slopes = _foretold(fit.law, motion)
     slopes = slopes[fit.places]
@@ -204,7 +204,7 @@ def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Sce
     white = np.linalg.solve(np.linalg.cholesky(view.covariance), np.moveaxis(columns, 0, -1))
     added = {one.name for one in fit.law.structure.effect(name).parameters}
     outside = [place for place, each in enumerate(fit.fitted) if each in added & fit.at_bound.keys()]
-    return Rival(
+    return RivalEffect(
         name, np.einsum("rmk,rml->rkl", white, white), np.array(outside, dtype=np.intp),
         len(fit.law.equations.names) - own,
     )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
-from pipeclamp_identification.planning.scene import Rival, Scene
+from pipeclamp_identification.planning.scene import RivalEffect, Scene
 from pipeclamp_identification.planning.seen import Lack, lack_of
 from pipeclamp_models.base.arrays import Array, BoolArray
 
@@ -103,7 +103,7 @@ def power(scene: Scene, runs: Array) -> Power:
     return Power(scene, lack, away, more, outside)
 
 
-def _apart(rival: Rival, runs: Array) -> tuple[float, float]:
+def _apart(rival: RivalEffect, runs: Array) -> tuple[float, float]:
     """Give the squared standard deviations between an effect and a rival in tests, and those outside its bounds."""
     gram = np.tensordot(runs, rival.gram, axes=1)
     free = np.setdiff1d(np.arange(len(gram) - 1), rival.outside)

@@ -23,7 +23,7 @@ from pipeclamp_identification.workflow.change import (
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import InVain, Kind, LastDiagnosis, LawFile
+from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind
 from pipeclamp_models.law.law import Structure, find_base
 from pipeclamp_models.law.range import rounded
 
@@ -42,7 +42,7 @@ class Rung:
     """
 
     change: LawChange
-    kind: Kind | Literal["revision"]
+    kind: NamedKind | Literal["revision"]
     words: tuple[str, ...]
 
     def said(self) -> str:
@@ -115,7 +115,7 @@ Made = tuple[str, frozenset[str]]
 
 
 @dataclass(frozen=True)
-class Way:
+class WayUp:
     """A way up.
 
     Attributes:
@@ -149,7 +149,7 @@ class Climber:
         ladder: tuple[Rung, ...] = (),
         gone: Gone = MappingProxyType({}),
         before: frozenset[Made] = frozenset(),
-    ) -> Way:
+    ) -> WayUp:
         """Diagnose and add until nothing helps.
 
         Args:
@@ -162,7 +162,7 @@ class Climber:
         while True:
             made = file.base, frozenset(file.effects)
             if made in before:
-                return Way(None, turns, met)
+                return WayUp(None, turns, met)
             met |= {made}
             if ladder:
                 self.climbed(file, ladder)
@@ -177,7 +177,7 @@ class Climber:
                 whole = found.verdict == "complete" and len(ladder) < self.most
                 simpler = self._with_something_simpler(file) if whole else None
                 if simpler is None:
-                    return Way(Settled(file, found, ladder, went), turns, met)
+                    return WayUp(Settled(file, found, ladder, went), turns, met)
                 ladder, file = (*ladder, simpler), simpler.change.after
                 continue
             tried = self._until_one_helps(file, found, gone)
@@ -192,12 +192,12 @@ class Climber:
                 self.seen(found, file)
                 rung = self._with_something_exchanged(file)
                 if rung is None:
-                    return Way(Settled(file, found, ladder, in_vain), turns, met)
+                    return WayUp(Settled(file, found, ladder, in_vain), turns, met)
                 ladder = (*ladder, rung)
                 name, having = rung.change.step.effect, str(rung.change.step)
             file, ladder, gone = self._without_spares(ladder, gone, name, having)
 
-    def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> Way:
+    def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> WayUp:
         """Add the other effect at a turn, and go on from there.
 
         Args:
@@ -233,7 +233,7 @@ class Climber:
         return tried
 
     def _added(
-        self, file: LawFile, effects: Sequence[str], kind: Kind, start: Mapping[str, float] | None = None
+        self, file: LawFile, effects: Sequence[str], kind: NamedKind, start: Mapping[str, float] | None = None
     ) -> list[LawChange]:
         return add_effects(
             file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
@@ -309,7 +309,7 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]
     ]
 
 
-def _kind(found: Diagnosed) -> Kind:
+def _kind(found: Diagnosed) -> NamedKind:
     """Say how what is added is meant: the best of several isn't proved by being taken."""
     return "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
 

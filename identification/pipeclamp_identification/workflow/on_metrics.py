@@ -24,7 +24,7 @@ from pipeclamp_identification.metrics_only.law import (
     rms,
 )
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
-from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -122,7 +122,7 @@ class MetricTests:
         """Give the metrics, see `Tests.metrics`."""
         return self.campaign
 
-    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> RefittedLaw:
         """Refit a law with another structure, see `Tests.refit`; the scatter is the one that was expected."""
         from pipeclamp_identification.metrics_only.evidence import heldout_error
 
@@ -137,7 +137,7 @@ class MetricTests:
             heldout_error(structure, observations, result.law.values),
         )
         after = rms(observations.logs(result.law_force.force))
-        return Refitted(FittedToMetrics(self.campaign, result), (before, after), heldout, SCATTER_BEFOREHAND)
+        return RefittedLaw(FittedToMetrics(self.campaign, result), (before, after), heldout, SCATTER_BEFOREHAND)
 
     def diagnose(
         self,

@@ -17,7 +17,7 @@ from pipeclamp_identification.fitting.identify import Identification, Method, fi
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw, silent
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -27,10 +27,10 @@ from pipeclamp_models.law.range import rounded
 
 if TYPE_CHECKING:
     from pipeclamp_identification.comparison.compare import Comparison
-    from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+    from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_identification.diagnosis.problem import Prepared
-    from pipeclamp_identification.diagnosis.revision import Asked
+    from pipeclamp_identification.diagnosis.revision import RevisedLaw
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 
 Known = tuple[Structure, tuple[tuple[str, float], ...]]
@@ -179,7 +179,7 @@ class RecordTests:
 
         return as_metrics(self.sines, self.loops)
 
-    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> RefittedLaw:
         """Refit a law with another structure, see `Tests.refit`."""
         law, sines = law_of(file), self.sines
         observations = self.observations
@@ -191,7 +191,7 @@ class RecordTests:
         progress("error on left-out conditions")
         heldout = (self._left_out_error(law), self._left_out_error(result.law))
         fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
-        return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
+        return RefittedLaw(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
 
     def _left_out_error(self, law: Law) -> float:
         known = _known(law.structure, law.values)
@@ -216,7 +216,7 @@ class RecordTests:
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,
-    ) -> Diagnosed:
+    ) -> RecordDiagnosed:
         """Find which effect a law lacks, see `Tests.diagnose`."""
         from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 
@@ -248,7 +248,7 @@ class RecordTests:
 
         return better_structures(self._asked(file), progress)
 
-    def _asked(self, file: LawFile) -> Asked:
+    def _asked(self, file: LawFile) -> RevisedLaw:
         from pipeclamp_identification.diagnosis.revision import ask_again
 
         law = law_of(file)

@@ -28,7 +28,7 @@ Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Celsius = Annotated[Number, Field(gt=-CELSIUS)]
 """A temperature in degC."""
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
+ShortName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 """A name that FMU variables and table columns can carry."""
 
 MOST_LEVELS = 30
@@ -42,7 +42,7 @@ MOST_NAMES_LISTED = 20
 """Known names that an error lists."""
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """What all tables share: keys that aren't known are refused, values don't change once read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
@@ -57,7 +57,7 @@ class Table(BaseModel):
         return data
 
 
-Model = TypeVar("Model", bound=Table)
+Model = TypeVar("Model", bound=TomlTable)
 Found = TypeVar("Found")
 
 

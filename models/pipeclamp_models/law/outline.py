@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pipeclamp_models.equations.effect import Parameter
     from pipeclamp_models.law.compose import Composed
 
-Quantity = float | str
+NumberOrExpression = float | str
 """A number, or Python's expression of one in the data's scales."""
 Sizes = Mapping[str, float]
 """The data's scales and the reference values of ratios, by the names of their symbols."""
@@ -55,10 +55,10 @@ class ParameterOutline:
     unit: str
     meaning: str
     effect: str
-    starts: tuple[Quantity, ...]
-    lower: Quantity
-    upper: Quantity
-    spread: Quantity | None
+    starts: tuple[NumberOrExpression, ...]
+    lower: NumberOrExpression
+    upper: NumberOrExpression
+    spread: NumberOrExpression | None
     neutral: float | None
     follows: tuple[str, ...]
     levels: int
@@ -164,7 +164,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], us
     )
 
 
-def _quantity(value: sp.Expr | float) -> Quantity:
+def _quantity(value: sp.Expr | float) -> NumberOrExpression:
     """Give a start or a bound as Python's own expression."""
     if isinstance(value, int | float):
         return float(value)
@@ -173,7 +173,7 @@ def _quantity(value: sp.Expr | float) -> Quantity:
     return str(pycode(value)) if value.free_symbols else float(value)
 
 
-def number_in(quantity: Quantity, sizes: Sizes) -> float:
+def number_in(quantity: NumberOrExpression, sizes: Sizes) -> float:
     """Give a start or a bound as a number, for data of these sizes."""
     if isinstance(quantity, float):
         return quantity

@@ -25,11 +25,11 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.beam import ELEMENT_PHASE, Assembly, Attachment, assemble, mesh, modes, upright
-from pipeclamp_models.pipe.description import Condition, PipeDescription, Springs
+from pipeclamp_models.pipe.description import EndCondition, PipeDescription, Springs
 from pipeclamp_models.pipe.materials import find_fluid, find_material
 from pipeclamp_models.pipe.section import beam_of, shear_error
 from pipeclamp_models.pipe.stability import Onset, Stability, buckling_load, natural_frequencies, onset, stability
-from pipeclamp_models.pipe.truncation import ModalModel, ReductionErrors, Reference
+from pipeclamp_models.pipe.truncation import FullResponse, ModalModel, ReductionErrors
 
 MOST_NODES = 600
 """A finer mesh than this takes minutes and hints at a wrong unit."""
@@ -189,7 +189,7 @@ class ReducedPipe:
 def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
     """Give the ends, supports and masses as what is attached to the beam."""
     length = description.pipe.length_m
-    held: list[tuple[float, Condition]] = [(0.0, description.ends.left), (length, description.ends.right)]
+    held: list[tuple[float, EndCondition]] = [(0.0, description.ends.left), (length, description.ends.right)]
     held += [(support.position_m, support.condition) for support in description.supports]
     return (
         *(Attachment(position, *_stiffnesses(condition)) for position, condition in held),
@@ -200,7 +200,7 @@ def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
     )
 
 
-def _stiffnesses(condition: Condition) -> tuple[float, float]:
+def _stiffnesses(condition: EndCondition) -> tuple[float, float]:
     if isinstance(condition, Springs):
         return 1e3 * condition.stiffness_N_mm, condition.rotational_stiffness_Nm_rad
     return CONDITION_STIFFNESS[condition]
@@ -248,7 +248,7 @@ def reduce(description: PipeDescription) -> ReducedPipe:
             f"pipe {description.name!r}: no mode lies below modes.up_to_Hz = {description.modes.up_to_Hz:g}; "
             f"the lowest is at {full.omega[0] / (2 * pi):.4g} Hz: raise it"
         )
-    reference = Reference(full.modal(full.omega, full.shapes), in_band, up_to, len(description.clamps))
+    reference = FullResponse(full.modal(full.omega, full.shapes), in_band, up_to, len(description.clamps))
     for kept in range(in_band, reference.most + 1):
         all_omega, all_shapes = full.with_residual_modes(kept)
         reduced = full.modal(all_omega, all_shapes)

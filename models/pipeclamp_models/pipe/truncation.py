@@ -148,7 +148,7 @@ def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
     return control.model_reduction(moving, left_out, method="truncate", warn_unstable=False) if left_out else moving
 
 
-class Reference:
+class FullResponse:
     """The full model's response over the band, against which reductions are judged.
 
     An error counts against the response at its own frequency: one resonance would hide what is wrong elsewhere. Where

@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.further_test.outlook import (
     RIDDEN,
     RIDING_SHARE,
     RUNS_OF_A_TEST,
-    Conditions,
+    ConditionArrays,
     Foreseer,
     Outlook,
     foreseer,
@@ -125,7 +125,7 @@ def _further_words(signal: str, value: float) -> str:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _TestSearch:
     """Where the next test is sought, and between whom.
 
     Attributes:
@@ -140,7 +140,7 @@ class _Search:
     names: tuple[str, ...]
     rivals: Sequence[Foreseer]
     tested: Mapping[str, tuple[float, float]]
-    further: Conditions
+    further: ConditionArrays
 
     def outlooks(self, limits: Limits, levels: Mapping[str, Array] | None = None) -> list[Outlook]:
         """Tell what tests within limits would tell, of each profile that they let be driven; closed ranges needed.
@@ -158,7 +158,7 @@ class _Search:
                 found.append(outlook.rows(np.flatnonzero(outlook.peak_forces <= limits.force)))
         return [outlook for outlook in found if len(outlook.mistaken)]
 
-    def _grid(self, profile: Profile, limits: Limits, levels: Mapping[str, Array]) -> Conditions:
+    def _grid(self, profile: Profile, limits: Limits, levels: Mapping[str, Array]) -> ConditionArrays:
         """Give every combination of conditions that keeps the limits."""
         (A_low, A_high), (f_low, f_high) = limits.amplitude, limits.frequency
         spread = {
@@ -202,7 +202,7 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
     rivals = [foreseer(_of(name, diagnosis), diagnosis) for name in names]
     so_far = diagnosis.problem.observations.motion
     tested = {name: span(so_far, name) for name in ("A", "f", "T")}
-    search = _Search(diagnosis, names, rivals, tested, _further_levels(rivals, diagnosis))
+    search = _TestSearch(diagnosis, names, rivals, tested, _further_levels(rivals, diagnosis))
     within = reach(so_far, limits)
     outlooks = search.outlooks(within)
     if not any(outlook.tells.any() for outlook in outlooks):
@@ -217,7 +217,7 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
     return search.proposal(outlooks[place], row)
 
 
-def _why_none(search: _Search, limits: Limits, outlooks: Sequence[Outlook]) -> str:
+def _why_none(search: _TestSearch, limits: Limits, outlooks: Sequence[Outlook]) -> str:
     """Say why no test is proposed, and which limit would have to give, and how much."""
     gives = [words for bound in _bounds(search, limits) if (words := _gives(search, bound))]
     if outlooks:
@@ -255,7 +255,7 @@ class _Bound:
     levels: Mapping[str, Array]
 
 
-def _bounds(search: _Search, limits: Limits) -> Iterator[_Bound]:
+def _bounds(search: _TestSearch, limits: Limits) -> Iterator[_Bound]:
     """Give the ends of limits that could give way, one at a time."""
     for symbol in ("A", "f"):
         low, high = limits.range(symbol)
@@ -276,7 +276,7 @@ def _bounds(search: _Search, limits: Limits) -> Iterator[_Bound]:
         yield _Bound("F=..{}", True, "F", replace(limits, force=np.inf), {})
 
 
-def _gives(search: _Search, bound: _Bound) -> str:
+def _gives(search: _TestSearch, bound: _Bound) -> str:
     """Say how far a bound must give way for a test to tell; nothing where that doesn't help."""
     asked = [
         _asked(outlook, bound.symbol, upper=bound.upper)[outlook.tells]
@@ -320,7 +320,7 @@ def _further_levels(rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> dict[st
     return levels
 
 
-def away_from(grid: Conditions, tested: Mapping[str, tuple[float, float]]) -> Array:
+def away_from(grid: ConditionArrays, tested: Mapping[str, tuple[float, float]]) -> Array:
     """Give how far outside of what was tested conditions lie, shape (R,): octaves of A and f, hundreds of kelvin."""
     away = np.zeros(len(grid["A"]))
     for name, (low, high) in tested.items():

@@ -86,7 +86,7 @@ def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
     return Foreseer(judged, places, ways[:, told] / np.sqrt(known[told]) / scale[:, None])
 
 
-Conditions = Mapping[str, Array]
+ConditionArrays = Mapping[str, Array]
 """Slow signals of the conditions that are looked at, each of shape (R,); T in K."""
 
 
@@ -104,7 +104,7 @@ class Outlook:
     """
 
     profile: str
-    grid: Conditions
+    grid: ConditionArrays
     motion: Motion
     forces: Array
     mistaken: Array
@@ -129,7 +129,7 @@ class Outlook:
         )  # fmt: skip
 
 
-def outlook_of(profile: str, grid: Conditions, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
+def outlook_of(profile: str, grid: ConditionArrays, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
     """Tell what tests of a profile at a grid of conditions would tell."""
     motion = _motions(grid, profile, diagnosis)
     without = harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS_FORETOLD)
@@ -142,7 +142,7 @@ def outlook_of(profile: str, grid: Conditions, rivals: Sequence[Foreseer], diagn
     return Outlook(profile, grid, motion, forces, logsumexp(-(known**2) / 8, axis=0), apart)
 
 
-def _motions(grid: Conditions, profile: str, diagnosis: Diagnosis) -> Motion:
+def _motions(grid: ConditionArrays, profile: str, diagnosis: Diagnosis) -> Motion:
     """Give the motions of a grid of conditions; those that it doesn't name as in the middle run."""
     column = {name: values[:, None] for name, values in grid.items()}
     A, f = column["A"], column["f"]
