@@ -39,7 +39,7 @@ from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import law_text, read_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_system.description.system import read_system
-from pipeclamp_system.fmus.variables import read_description
+from pipeclamp_system.fmus.variables import read_model_description
 from pipeclamp_system.study.description import read_study
 
 EACH = int(os.environ.get("PIPECLAMP_HOSTILE", "12"))
@@ -110,7 +110,7 @@ READERS = {
     "study": Reader("study.toml", lambda folder: read_study(folder / "study.toml")),
     "declaration": Reader("effect.toml", lambda folder: read_declaration(folder / "effect.toml")),
     "set-parameters": Reader("clamp.fmu", parameters_set),
-    "FMU": Reader("clamp.fmu", lambda folder: read_description(folder / "clamp.fmu")),
+    "FMU": Reader("clamp.fmu", lambda folder: read_model_description(folder / "clamp.fmu")),
     "description": Reader("modelDescription.xml", parameters_set),
     "measurement": Reader("measurement.toml", lambda folder: read_measurement(folder / "measurement.toml")),
     "response": Reader("response.csv", lambda folder: read_measurement(folder / "measurement.toml")),

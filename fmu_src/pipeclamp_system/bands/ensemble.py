@@ -20,7 +20,7 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
-from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown
+from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown_of_clamps
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.result import CosimResult
@@ -170,7 +170,7 @@ def _unknown_of(description: SystemDescription, path: Path) -> tuple[list[int], 
     known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
     names = [description.clamps[place].at for place in places]
     refuse_silent(known.values(), str(path))
-    return places, unknown([known[name] for name in sources], names, solved=False)
+    return places, unknown_of_clamps([known[name] for name in sources], names, solved=False)
 
 
 def _run(member: _Member) -> Array | str:

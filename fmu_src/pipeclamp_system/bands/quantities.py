@@ -135,7 +135,7 @@ class Unknown:
         return made
 
 
-def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -> Unknown:
+def unknown_of_clamps(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -> Unknown:
     """Give what isn't known of clamps.
 
     What a law's tests tell is one truth for all clamps that have it; each clamp is mounted by itself.

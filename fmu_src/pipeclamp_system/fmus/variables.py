@@ -35,7 +35,7 @@ IDENTIFIER = re.compile(r"\w{1,200}", re.ASCII)
 """A model's, which is the name of its library."""
 
 
-def read_description(path: Path) -> Any:
+def read_model_description(path: Path) -> Any:
     """Read an FMU's model description.
 
     Raises:

@@ -18,7 +18,7 @@ from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, RungBars, rungs_of, 
 from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table, vain_words
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
-from pipeclamp.show.views import scatter_of
+from pipeclamp.show.views import known_scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import laws_held, least_error, stages_held
 from pipeclamp_identification.comparison.names import labels_of
@@ -98,7 +98,7 @@ def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = ""
     words, tables = _answer(held), []
     if len(laws) > 1:
         words = [least_words([one for one, _ in laws], best), *words]
-        tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
+        tables = [laws_table([(one, against.nrmse, known_scatter_of(against)) for one, against in laws])]
     answer = Section("Answer", words, tables, _falling(file, ()), next_command)
     return [answer, *laws_sections(laws, best)]
 

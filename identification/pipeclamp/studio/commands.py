@@ -36,7 +36,7 @@ def identify_task(project: Project, base: str) -> tuple[JobTask, str]:
     return JobTask("identify", f"Fit the base law {base}", command, given), law
 
 
-def named(effect: str) -> str:
+def effects_said(effect: str) -> str:
     """Give an effect as it is said; several, which `add` takes with commas between them, with words."""
     return " and ".join(effect.split(","))
 
@@ -56,7 +56,7 @@ def add_task(project: Project, of: str, effect: str, kind: NamedKind | None) -> 
         "campaign": project.campaign, "of": path, "effect": effect, "kind": kind,
         "law": project.shown(f"{law}.json"), "command": _last_parts(command),
     }  # fmt: skip
-    return JobTask("add", f"Add {named(effect)} and fit everything again", command, given, of), law
+    return JobTask("add", f"Add {effects_said(effect)} and fit everything again", command, given, of), law
 
 
 def refit_line(project: Project, of: str, law: str) -> str:

@@ -98,7 +98,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
     scatter = held.known_noise
     return LawShown(
         name=name,
-        title=title_of(file),
+        title=law_title(file),
         error=100 * held.nrmse,
         scatter=None if scatter is None else 100 * scatter,
         words=tuple(how_much(held)[1:]),
@@ -124,7 +124,7 @@ def tests_map(bench: Bench, by: str = "") -> ErrorMap:
     return error_map(bench.loops.run, conditions_of(bench.tests.campaign, bench.loops), None, by)
 
 
-def title_of(file: LawFile) -> str:
+def law_title(file: LawFile) -> str:
     """Give base and effects of a law."""
     return " + ".join((file.base, *file.effects))
 
@@ -146,7 +146,7 @@ def chips_of(project: Project) -> list[LawChip]:
 
 def steps_since(file: LawFile, before: LawFile | None) -> str:
     """Say by which steps a law came from another; by its last one where it didn't."""
-    return " ".join(_since(file, before)) or title_of(file)
+    return " ".join(_since(file, before)) or law_title(file)
 
 
 def _since(file: LawFile, before: LawFile | None) -> list[str]:

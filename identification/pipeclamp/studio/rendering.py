@@ -124,5 +124,5 @@ def _environment() -> jinja2.Environment:
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = sentence
     environment.filters["one_digit"] = one_digit
-    environment.filters["named"] = commands.named
+    environment.filters["named"] = commands.effects_said
     return environment

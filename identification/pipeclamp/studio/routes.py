@@ -157,7 +157,10 @@ class Pages:
         candidate = request.query_params.get("candidate")
         if candidate and names:
             # the law that the page is about stays last
-            laws = {f"{names[-1]} + {commands.named(candidate)}": _candidate(opened, names[-1], candidate), **laws}
+            laws = {
+                f"{names[-1]} + {commands.effects_said(candidate)}": _candidate(opened, names[-1], candidate),
+                **laws,
+            }
         return JSONResponse(run_picture(opened.bench.run(request.path_params["run"]), laws))
 
     async def moved(self, request: Request) -> Response:
@@ -171,7 +174,7 @@ class Pages:
         if not isinstance(values, dict) or not all(map(_is_number, values.values())):
             raise UserError("values: expected numbers by the names of parameters")
         law = _candidate(opened, name, str(candidate)) if candidate else law_of(opened.project.law(name))
-        label = f"{commands.named(str(candidate or name))}, moved"
+        label = f"{commands.effects_said(str(candidate or name))}, moved"
         shown = run_picture(opened.bench.run(_text(asked, "run")), {label: changed(law, values)})
         return JSONResponse({"force": shown["laws"][0], "told": shown["told"][0]})
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from math import degrees, exp, log, pi
 
-from pipeclamp_identification.attribution.misstated import moved, moves, place_words
+from pipeclamp_identification.attribution.misstated import displacement_search, moved, place_words
 from pipeclamp_identification.attribution.suspect import Side, Suspect, Values
 from pipeclamp_identification.on_pipe.instrument import Instrument, SensorChannel
 from pipeclamp_identification.on_pipe.measurement import UNITS, MeasurementDescription
@@ -47,7 +47,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         yield _gain(name, words, partial(_on_sensors, (probe.name,)), ratios)
         yield from _late(name, words, partial(_on_sensors, (probe.name,)))
         place = model.pipe.probes[index]
-        search = moves(place.position_m, length)
+        search = displacement_search(place.position_m, length)
         yield Suspect(
             id=f"{name}.position", side=SIDE, kind="a sensor's position", words=f"the position of {words}",
             change=partial(_moved_probe, probe.name), told=partial(place_words, place.position_m),
@@ -59,7 +59,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
     yield from _late("excitation", "the excitation", _on_excitation)
     at = model.pipe.excitation.position_m
     if at is not None:
-        search = moves(at, length)
+        search = displacement_search(at, length)
         yield Suspect(
             id="excitation.position", side=SIDE, kind="the excitation's position", words="where the excitation acts",
             change=_acting_elsewhere, told=partial(place_words, at), starts=search.starts, lower=search.lower,

@@ -26,7 +26,7 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
     yield _modulus(model.pipe)
     length = model.pipe.pipe.length_m
     for index, place in enumerate(model.pipe.clamps):
-        search = moves(place.position_m, length)
+        search = displacement_search(place.position_m, length)
         yield Suspect(
             id=f"{place.name}.position",
             side="clamp",
@@ -52,7 +52,7 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
         )
 
 
-def moves(position: float, length: float) -> ValueSearch:
+def displacement_search(position: float, length: float) -> ValueSearch:
     """Give starts and bounds of a displacement (m) of something at a position on a pipe of some length."""
     steps = (side * share * length for share in POSITION_SHARES for side in (-1, 1))
     inside = tuple((step,) for step in steps if 0 < position + step < length)

@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.clipping import COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
-from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, named
+from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, runs_named
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.between_cycles import between_cycles
@@ -336,7 +336,7 @@ def _fault(
     sizes = {run: (change.size * scale[run], change.error * scale[run]) for run, change in drifts.items()}
     worst = max(drifts, key=lambda run: abs(drifts[run].size))
     size, error = sizes[worst]
-    others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({named(list(drifts))})"
+    others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({runs_named(list(drifts))})"
     where = f"in run {worst}, from its first cycle to its last{others}"
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
     shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"

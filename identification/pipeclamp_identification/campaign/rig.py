@@ -232,7 +232,7 @@ def _of_specimen(law: Law, plan: TestPlan, specimen: int) -> Law:
 
 def _refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> None:
     """Refuse a law that follows a condition which isn't stated."""
-    stated = {condition_signal(column) for column in conditions}
+    stated = {signal_in_plan(column) for column in conditions}
     needed = equations.slow_signals - {"A", "f", "T", "N"} - stated
     if needed:
         columns = sorted(_column(name) for name in needed)
@@ -267,7 +267,7 @@ def _runs_at(
         "f": np.full((len(A), 1), frequency),
         "T": T[:, None] + CELSIUS,
         "N": np.array([run.first_cycle for run in runs])[:, None] + np.maximum(time, 0.0) * frequency,
-        **{condition_signal(column): np.full((len(A), 1), value) for column, value in conditions.items()},
+        **{signal_in_plan(column): np.full((len(A), 1), value) for column, value in conditions.items()},
     }
     truth = force_of_equations(
         equations,
@@ -364,7 +364,7 @@ def _measured(truth: Array, noise: float, step: float, end: float, rng: np.rando
 DENSITY = "density_g_cm3"
 
 
-def condition_signal(column: str) -> str:
+def signal_in_plan(column: str) -> str:
     """Give the name of the slow signal that a further column of runs.csv is in a law."""
     return "rho" if column == DENSITY else signals.condition_signal(column)
 
@@ -436,7 +436,7 @@ def truth_of(
     equations = structure.equations
     followed = equations.slow_signals
     conditions = {name: value for name, value in values.items() if name not in equations.names}
-    unknown = sorted(column for column in conditions if condition_signal(column) not in followed)
+    unknown = sorted(column for column in conditions if signal_in_plan(column) not in followed)
     if unknown:
         columns = sorted(_column(name) for name in followed - {"A", "f", "T", "N"})
         known = [*equations.names, *columns]
@@ -454,7 +454,7 @@ def truth_of(
     if lacking:
         _refuse_unstated(equations, conditions)
         plan.check()
-        further = {condition_signal(column): value for column, value in conditions.items()}
+        further = {signal_in_plan(column): value for column, value in conditions.items()}
         temperatures = [T + CELSIUS for T in plan.temperatures]
         slow = {"N": plan.cycles, **further}
         sizes = law_sizes(law, plan.amplitudes, plan.frequencies, temperatures, slow)

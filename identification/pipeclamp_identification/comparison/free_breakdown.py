@@ -22,7 +22,7 @@ from pipeclamp_identification.comparison.breakdown import (
 )
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.signals.half_cycles import HalfCycles, half_cycles
-from pipeclamp_identification.signals.levels import distinct, name_levels
+from pipeclamp_identification.signals.levels import distinct_texts, name_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 
 TIME_PARTS = 10
@@ -103,7 +103,7 @@ class Classes:
     @property
     def labels(self) -> list[str]:
         """What each class spans."""
-        texts = distinct(self.edges)
+        texts = distinct_texts(self.edges)
         return [f"{low} to {high}" for low, high in itertools.pairwise(texts)]
 
 

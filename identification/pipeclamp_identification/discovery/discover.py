@@ -33,7 +33,7 @@ from pipeclamp_identification.discovery.hearing import (
     refitted_of,
 )
 from pipeclamp_identification.discovery.refining import Refining
-from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
+from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.discovery.weights import weighed_as
 from pipeclamp_identification.fitting.heldout import condition_groups
@@ -219,7 +219,7 @@ def _asked(
     """
     law, problem = evaluation.law, evaluation.problem
     progress("what chance would explain")
-    scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+    scanned = screened_columns(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
     chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:

@@ -21,7 +21,7 @@ from pipeclamp_identification.discovery.guards import (
     not_in_the_catalogue,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.search import Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -123,7 +123,7 @@ class RefittedTerm:
         return len(self.term.declaration.parameters)
 
 
-def beside(one: RefittedTerm, groups: IntArray, others: Sequence[TermColumn] = ()) -> Screened:
+def screened_beside(one: RefittedTerm, groups: IntArray, others: Sequence[TermColumn] = ()) -> Screened:
     """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
 
     That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
@@ -144,7 +144,7 @@ def beside(one: RefittedTerm, groups: IntArray, others: Sequence[TermColumn] = (
         change = -fitted.jacobian[:, :, result.fitted.index(linear)]
     residual = fitted.residual + result.law.values[linear] * change
     columns = [*others, replace(one.column, change=change)]
-    return screened(columns, residual, fitted.jacobian[:, :, tangents], groups)
+    return screened_columns(columns, residual, fitted.jacobian[:, :, tangents], groups)
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ class Hearing:
     def screened(self) -> Screened:
         """All that was screened, and after it each refitted term at its fitted values."""
         law, problem = self.evaluation.law, self.evaluation.problem
-        return screened(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
+        return screened_columns(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
 
     @property
     def _every(self) -> list[TermColumn]:
@@ -180,13 +180,15 @@ class Hearing:
 
         What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
         """
-        return beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
+        return (
+            screened_beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
+        )
 
     @cached_property
     def explained(self) -> Array:
         """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
         groups = self.evaluation.problem.groups
-        return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
+        return np.array([screened_beside(one, groups).explained()[-1] for one in self.refitted])
 
     def alike(self, place: int) -> BoolArray:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""

@@ -20,7 +20,7 @@ from pipeclamp_identification.discovery.guards import (
 )
 from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm, TermFound, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
-from pipeclamp_identification.discovery.search import screened
+from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import with_effect
@@ -122,7 +122,7 @@ def _beside(one: RefittedTerm, hearing: Hearing) -> Iterator[Form]:
     columns = [column for column in hearing.columns if may_join(one.term, column.term)]
     if not columns or strength == 0.0:
         return
-    scanned = screened(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
+    scanned = screened_columns(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
     for place in scanned.best_first(MOST_JOINED):
         column = columns[place]
         share = scanned.strength(place) / scanned.lengths[place] / abs(strength)
@@ -144,7 +144,7 @@ def betters(best: RefittedTerm, plain: RefittedTerm, tried: Sequence[RefittedTer
     """
     problem, fitted = hearing.evaluation.problem, plain.judged.fitted
     every = [*hearing.columns, *(one.column for one in tried)]
-    scanned = screened(every, fitted.residual, fitted.jacobian, problem.groups)
+    scanned = screened_columns(every, fitted.residual, fitted.jacobian, problem.groups)
     chance = scanned.without(len(hearing.columns) + tried.index(best)).by_chance()
     laws = plain.judged.result.law, best.judged.result.law
     return (

@@ -130,7 +130,7 @@ class Screened:
         return np.asarray(np.abs(self.free.T @ self.free[:, place]) > least)
 
 
-def screened(columns: Sequence[TermColumn], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
+def screened_columns(columns: Sequence[TermColumn], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
     """Free columns of what a law's parameters can do.
 
     Args:

@@ -50,7 +50,7 @@ def local_form(loops: Loops, shares: Array, variances: Array, whole: Array) -> L
     tested = np.column_stack([coordinate(name, values) for name, values in at.items()])
     spread = tested.std(axis=0)
     stiffness, damping = (
-        _kriged(list(at), likeliest(tested / spread, *of_both), spread)
+        _kriged(list(at), likeliest_form(tested / spread, *of_both), spread)
         for of_both in zip(shares, variances, whole.tolist(), strict=True)
     )
     return LocalForm(
@@ -74,7 +74,7 @@ def _kriged(names: Sequence[str], found: _Found, spread: Array) -> KrigedShare:
     )
 
 
-def likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
+def likeliest_form(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
     """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand.
 
     Args:

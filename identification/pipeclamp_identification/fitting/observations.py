@@ -58,7 +58,7 @@ class Observations(Protocol):
         """Give how many of the residuals are evidence; the others are zero, whatever the law."""
 
 
-def harmonics_of(samples: Array, count: int) -> Array:
+def real_harmonics_of(samples: Array, count: int) -> Array:
     """Give harmonics 0..count of periodic rows as real numbers: mean, then real and imaginary parts.
 
     Args:
@@ -79,7 +79,7 @@ def harmonics_of(samples: Array, count: int) -> Array:
 
 def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Array:
     """Give the derivatives of a force's harmonics 0..count by some of the law's parameters, shape (P, R, m)."""
-    return known_jacobian(law_force).through(lambda forces: harmonics_of(forces, count), parameters)
+    return known_jacobian(law_force).through(lambda forces: real_harmonics_of(forces, count), parameters)
 
 
 def _transforms(loops: Loops, samples: int) -> Array | None:
@@ -88,7 +88,7 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
     if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1
-    plain = harmonics_of(np.eye(samples), count)
+    plain = real_harmonics_of(np.eye(samples), count)
     own = np.tile(plain, (len(loops.run), 1, 1))
 
     def fill(row: int) -> None:
@@ -113,7 +113,7 @@ class LoopObservations:
 
     Attributes:
         motion: the measured motions, R rows.
-        harmonics: measured force in N as `harmonics_of` gives it, shape (R, 2 H + 1).
+        harmonics: measured force in N as `real_harmonics_of` gives it, shape (R, 2 H + 1).
         standard_error: of each of them, same shape; infinite where there is none.
         force_amplitude: N, shape (R,).
         transforms: how each record's sampling turns force into harmonics, shape (R, n, 2 H + 1); None where it is
@@ -134,7 +134,7 @@ class LoopObservations:
     def transformed(self, force: Array) -> Array:
         """Give the harmonics of force on the motion's grid, shape (..., R, n), as the records would show them."""
         if self.transforms is None:
-            return harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
+            return real_harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
         by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
         with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, which a fit refuses
             found = by_run @ self.transforms

@@ -20,7 +20,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     judged_fit,
 )
 from pipeclamp_identification.metrics_only.observations import MetricObservations
-from pipeclamp_identification.metrics_only.pairs import pairs
+from pipeclamp_identification.metrics_only.pairs import metric_pairs
 from pipeclamp_identification.metrics_only.screen import Look, look
 from pipeclamp_identification.metrics_only.thresholds import FEWEST_FREEDOMS, REAL_CHANCE
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
@@ -86,7 +86,7 @@ def candidates_of(
     thoroughly = lacks(law)
     alone = [_with(law, one, observations, tell, thoroughly=thoroughly) for one in looks if not one.hidden]
     best = min((judged for judged in alone if judged.may_be_cause), key=by_score, default=law)
-    together = pairs(law, alone, campaign, observations, tell) if lacks(best) else []
+    together = metric_pairs(law, alone, campaign, observations, tell) if lacks(best) else []
     law = _from_another_valley(law, [*alone, *together], observations) if thoroughly else law
     richest = _richest(law, alone, together, names, observations, lacks, tell)
     return Candidates(law, tuple(looks), tuple(alone), tuple(together), richest)

@@ -133,7 +133,7 @@ def judged_fit(effects: tuple[str, ...], result: Fit, observations: MetricObserv
     )
 
 
-def scatter_of(judged: MetricJudged, observations: MetricObservations, expected: float) -> Scatter:
+def metric_scatter_of(judged: MetricJudged, observations: MetricObservations, expected: float) -> Scatter:
     """Tell the scatter from what a law leaves, metric by metric, and what was expected before.
 
     Args:

@@ -19,7 +19,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     chance,
     chance_of_lack,
     judge_metrics,
-    scatter_of,
+    metric_scatter_of,
     single_rows,
 )
 from pipeclamp_identification.metrics_only.observations import MetricObservations
@@ -163,7 +163,7 @@ def diagnose_metrics(
     coarse = metric_observations(campaign, samples=COARSE_SAMPLES)
     smooth = _smooth(campaign, coarse)
     fitted = candidates_of(structure, campaign, coarse, smooth, tell)
-    scatter = scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
+    scatter = metric_scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
     again = partial(_again, observations=observations)

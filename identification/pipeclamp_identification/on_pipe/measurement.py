@@ -173,7 +173,7 @@ class _Rows:
     scatter: Array
 
 
-def read_description(path: Path) -> tuple[Path, MeasurementDescription]:
+def read_measurement_description(path: Path) -> tuple[Path, MeasurementDescription]:
     """Read the description of a measurement, a folder with measurement.toml or that file; give the file, too.
 
     Raises:
@@ -189,7 +189,7 @@ def read_measurement(path: Path) -> PipeMeasurement:
     Raises:
         UserError: a file is missing or can't serve; the message names file, row and column.
     """
-    file, description = read_description(path)
+    file, description = read_measurement_description(path)
     parts: list[tuple[MeasuredResponseTable | SineTable, _Rows]] = [
         *((entry, _response_rows(file.parent / entry.file, entry, description)) for entry in description.responses),
         *((entry, _sine_rows(file.parent / entry.file, entry, description)) for entry in description.sines),

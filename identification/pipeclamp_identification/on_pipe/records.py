@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeclamp_identification.comparison.breakdown import Breakdown, ErrorPart
 from pipeclamp_identification.comparison.concentration import Factor, Region, densest, region_sentence
-from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_description
+from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_measurement_description
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
 from pipeclamp_identification.on_pipe.record_files import MotionRecord, read_motion_records
 from pipeclamp_identification.on_pipe.record_motion import AmplitudesAndFrequencies, RecordPrediction, steps_between
@@ -200,7 +200,7 @@ def compare_records(system_path: Path, measured: Path) -> RecordsComparison:
     Raises:
         UserError: a file can't serve, they don't belong together, or the model can't be integrated.
     """
-    file, description = read_description(measured)
+    file, description = read_measurement_description(measured)
     records = read_motion_records(file.parent, description)
     kinds = {record.drive_unit for record in records}
     system, model = read_model(system_path, description, kinds, {record.temperature for record in records})

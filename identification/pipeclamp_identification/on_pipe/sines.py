@@ -119,7 +119,7 @@ class PipeComparison:
     @cached_property
     def squared_scatter(self) -> Array:
         """What of the squared error no model can explain, likewise; nan where it isn't known, (P, probes)."""
-        deviation = scatter_of(self.measurement) * self.measurement.steady.drive[:, None] / self.scales
+        deviation = sine_scatter_of(self.measurement) * self.measurement.steady.drive[:, None] / self.scales
         return np.where(self.compared, np.where(self.measurement.steady.phased, 2, 1) * deviation**2, 0.0)
 
     @property
@@ -216,7 +216,7 @@ def turned_error(measurement: PipeMeasurement, computed: ComplexArray) -> Comple
     return np.asarray(np.where(steady.phased, whole, size - np.abs(computed)), dtype=np.complex128)
 
 
-def scatter_of(measurement: PipeMeasurement) -> Array:
+def sine_scatter_of(measurement: PipeMeasurement) -> Array:
     """Give the standard deviation of real and of imaginary parts, of repeated sines too; nan where unknown."""
     steady = measurement.steady
     found = steady.scatter.copy()

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from pipeclamp_identification.campaign.rig import TestPlan, truth_of
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD
-from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE, harmonics_of, mean_squares_of
+from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE, mean_squares_of, real_harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS, grows_with_force
@@ -36,7 +36,9 @@ def bare_law(file: LawFile) -> Law:
 def peak_forces(file: LawFile, grid: Mapping[str, Array]) -> Array:
     """Give about the largest force of a file's base law at each condition of a grid, N, shape (R,)."""
     motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE)
-    return 2 * np.sqrt(mean_squares_of(harmonics_of(force_of_law(bare_law(file), motion).force, HARMONICS_FORETOLD)))
+    return 2 * np.sqrt(
+        mean_squares_of(real_harmonics_of(force_of_law(bare_law(file), motion).force, HARMONICS_FORETOLD))
+    )
 
 
 def typical_law(file: LawFile, effect: str, grid: Mapping[str, Array]) -> Law:
@@ -83,7 +85,7 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
     """
     law, bare = typical_law(file, effect, grid), bare_law(file)
     motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE)
-    without = harmonics_of(force_of_law(bare, motion).force, HARMONICS_FORETOLD)
+    without = real_harmonics_of(force_of_law(bare, motion).force, HARMONICS_FORETOLD)
     own = [one for one in law.equations.composed.parameters if one.name not in bare.values]
     forces = {one.name: float(one.neutral or 0.0) for one in own if grows_with_force(one.unit)}
     neutral = forces or {one.name: float(one.neutral) for one in own if one.neutral is not None}
@@ -93,7 +95,9 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
         return replace(law, values={**law.values, **moved})
 
     def short(logarithm: float) -> float:
-        beyond = harmonics_of(force_of_law(at(float(np.exp(logarithm))), motion).force, HARMONICS_FORETOLD) - without
+        beyond = (
+            real_harmonics_of(force_of_law(at(float(np.exp(logarithm))), motion).force, HARMONICS_FORETOLD) - without
+        )
         with np.errstate(divide="ignore"):  # a stop that is never reached gives no force: short of any
             return 0.5 * float(np.log(np.mean(mean_squares_of(beyond)) / newtons**2))
 

@@ -172,7 +172,7 @@ def _foretold(
     places = np.array([equations.names.index(name) for name in names], dtype=np.intp)
     every = harmonic_slopes(force, HARMONICS_FORETOLD, places)
     count = len(law.names)
-    noise = noise_of(law.file, noise_N, force.force)
+    noise = test_noise(law.file, noise_N, force.force)
     error = sensor_noise(noise, RIG.rate, motion, every.shape[2]) / RUNS_OF_A_TEST
     runs = law.file.spread.runs if law.file.spread else None
     for share, direction in zip(SHARE_OF_PARAMETER.values(), every[count:], strict=True):
@@ -181,7 +181,7 @@ def _foretold(
     return every[:count], error, every[count:], np.asarray(np.abs(force.force).max(axis=1, initial=0.0))
 
 
-def noise_of(file: LawFile, stated: float | None, forces: Array) -> Array:
+def test_noise(file: LawFile, stated: float | None, forces: Array) -> Array:
     """Give the rms noise of the force in tests whose force the law foretells, N, shape (R,).
 
     As stated; else the share of the force that scatters in the law's own tests; else what the virtual rig has.

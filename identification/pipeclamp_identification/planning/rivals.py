@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_FITTING_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, starting_points
-from pipeclamp_identification.fitting.observations import LoopObservations, harmonics_of
+from pipeclamp_identification.fitting.observations import LoopObservations, real_harmonics_of
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_models.base.arrays import Array
@@ -133,6 +133,6 @@ class Trial:
     def _observed(self, law: Law) -> WhitenedObservations:
         force = force_of_law(law, self._motion).force
         harmonics = LoopObservations(
-            self._motion, harmonics_of(force, self._count), self._error, np.ptp(force, axis=1) / 2
+            self._motion, real_harmonics_of(force, self._count), self._error, np.ptp(force, axis=1) / 2
         )
         return WhitenedObservations(harmonics, self._whitener)

@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_NOISE_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import Fit
-from pipeclamp_identification.fitting.observations import harmonic_slopes, harmonics_of, mean_squares_of
+from pipeclamp_identification.fitting.observations import harmonic_slopes, mean_squares_of, real_harmonics_of
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial
 from pipeclamp_identification.planning.seen import lack_of, norms_of
@@ -225,12 +225,12 @@ def _foretold(law: Law, motion: Motion) -> tuple[Array, Array]:
     equations = law.equations
     force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
     slopes = harmonic_slopes(force, HARMONICS_FORETOLD, np.arange(len(equations.names)))
-    return harmonics_of(force.force, HARMONICS_FORETOLD), np.nan_to_num(slopes)
+    return real_harmonics_of(force.force, HARMONICS_FORETOLD), np.nan_to_num(slopes)
 
 
 def _beyond(law: Law, motion: Motion, force: Array) -> Array:
     """Give the harmonics that a law has beyond others, N, shape (R, m)."""
-    return harmonics_of(force_of_law(law, motion).force, HARMONICS_FORETOLD) - force
+    return real_harmonics_of(force_of_law(law, motion).force, HARMONICS_FORETOLD) - force
 
 
 def _rms(harmonics: Array) -> float:

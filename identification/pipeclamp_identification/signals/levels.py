@@ -71,13 +71,13 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
         groups = [group for group in groups if len(group)]
         ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])
-        texts = distinct(_rounded(ends.ravel(), told))
+        texts = distinct_texts(_rounded(ends.ravel(), told))
         found = [
             Level(low if low == high else f"{low} to {high}", low, high, order[group])
             for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
         ]
     else:
-        texts = distinct(_rounded(np.array([np.mean(rising[group]) for group in groups]), told))
+        texts = distinct_texts(_rounded(np.array([np.mean(rising[group]) for group in groups]), told))
         found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
 
@@ -103,7 +103,7 @@ def _unknown(rows: IntArray) -> tuple[Level, ...]:
     return (Level("not known", "", "", rows, known=False),) if len(rows) else ()
 
 
-def distinct(values: Array) -> list[str]:
+def distinct_texts(values: Array) -> list[str]:
     """Give numbers as text, with as few digits (two at least) as keep different ones apart."""
     different = len(np.unique(values))
     for digits in range(2, MOST_DIGITS):

@@ -33,9 +33,9 @@ from pipeclamp_identification.discovery.guards import (
     weighed_errors,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, beside, best_of
+from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, best_of, screened_beside
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
-from pipeclamp_identification.discovery.search import screened
+from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.bundled import open_law
@@ -245,7 +245,7 @@ def test_the_simplest_stands_for_terms_that_act_as_one():
         for name, change in zip(names, (shared + 1e-6 * other, shared, other), strict=True)
     ]
     residual = 2 * shared + other
-    found = screened(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
+    found = screened_columns(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
     assert found.best_first(3) == [1, 2]
 
 
@@ -331,7 +331,9 @@ def test_what_a_term_explains_itself_is_no_chance():
     groups = np.repeat(np.arange(10), 4)
 
     def threshold(size, without):
-        found = screened(columns, size * columns[7].change + noise, random.standard_normal((runs, 6, 2)), groups)
+        found = screened_columns(
+            columns, size * columns[7].change + noise, random.standard_normal((runs, 6, 2)), groups
+        )
         return (found.without(7) if without else found).by_chance()
 
     assert threshold(5.0, without=False) > 5 * threshold(0.0, without=False)
@@ -369,7 +371,7 @@ def test_signs_are_turned_in_sums_over_groups():
     change, residual = random.standard_normal((2, 6, 5))
     groups, signs = np.array([2, 0, 1, 0, 2, 1]), np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
     column = TermColumn(by_id["found_saturating_spring"], {}, change, True)
-    found = screened([column], residual, random.standard_normal((6, 5, 1)), groups)
+    found = screened_columns([column], residual, random.standard_normal((6, 5, 1)), groups)
     free = found.free[:, 0].reshape(6, 5).astype(float)
     products = found.by_run[0][:, 0] * signs
     expected = 0.0
@@ -415,14 +417,14 @@ def test_what_a_term_explains_is_asked_where_the_law_was_fitted_with_it():
     one = refitted(
         2.0, ("k", "F_x", "y_x"), np.stack([-tangent, -change, random.standard_normal((24, 5))], 2), residual
     )
-    own = beside(one, groups).explained()[-1]
+    own = screened_beside(one, groups).explained()[-1]
     assert own == pytest.approx(np.sum((2.0 * change) ** 2), rel=0.2)
-    lookalike = screened([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
+    lookalike = screened_columns([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
     assert lookalike.explained()[0] < 1e-6 * own  # the law alone, whose tangents do what the term does
-    assert beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
+    assert screened_beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
 
 
 def test_a_term_whose_strength_ended_at_its_bound_explains_nothing():
     random = np.random.default_rng(4)
     one = refitted(0.0, ("k",), random.standard_normal((24, 5, 1)), random.standard_normal((24, 5)))
-    assert beside(one, np.repeat(np.arange(8), 3)).explained()[-1] == 0.0
+    assert screened_beside(one, np.repeat(np.arange(8), 3)).explained()[-1] == 0.0

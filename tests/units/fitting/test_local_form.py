@@ -13,7 +13,7 @@ from pipeclamp_identification.fitting.local_form import (
     FAR_LENGTH,
     NEAR_LENGTH,
     RUNS_SEEN_ROUGHLY,
-    likeliest,
+    likeliest_form,
     unlikeliness,
 )
 from pipeclamp_models.law.bundled import open_law
@@ -77,7 +77,7 @@ def test_a_few_of_many_tests_lead_to_what_all_find_likeliest():
     among = 0.05**2 * likeness(apart, np.array([0.7, 2.0, 1.0])) + np.diag(variances)
     shares = drawn.multivariate_normal(np.zeros(160), among)
     expected = np.append(np.zeros(3), np.log(0.04))
-    deviation, lengths, *_ = likeliest(tested, shares, variances, 0.04)
+    deviation, lengths, *_ = likeliest_form(tested, shares, variances, 0.04)
     given = apart, shares, variances, expected
     found = unlikeliness(np.log(np.append(lengths, deviation)), *given)[0]
     for length in (NEAR_LENGTH, FAR_LENGTH):

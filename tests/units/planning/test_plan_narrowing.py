@@ -18,7 +18,7 @@ from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
 from pipeclamp_models.law.range import conditions_beyond
-from pipeclamp_system.bands.quantities import unknown
+from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
 from pipeclamp_system.steady.response import run_response
@@ -81,7 +81,7 @@ def test_beyond_the_range_a_test_leaves_the_way_from_it(tested, left):
 
 def test_the_form_of_clamps_by_themselves_is_that_of_one_law():
     law = varied(open_law("emwm2").model_copy(update={"spread": SPREAD}))
-    what = unknown([law, law], ["one", "other"], solved=True)
+    what = unknown_of_clamps([law, law], ["one", "other"], solved=True)
     apart = what.by_clamp()
     assert len(apart.quantities) == len(what.quantities) + 2
     both = [np.sum([one.sizes(clamp, {}) for clamp in (0, 1)], axis=0) for one in (what, apart)]

@@ -16,7 +16,12 @@ from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.beforehand import parameter_bounds
 from pipeclamp_identification.fitting.least_squares import HELD, WISHED
-from pipeclamp_identification.fitting.observations import SAMPLES_PER_CYCLE, data_scales, harmonic_slopes, harmonics_of
+from pipeclamp_identification.fitting.observations import (
+    SAMPLES_PER_CYCLE,
+    data_scales,
+    harmonic_slopes,
+    real_harmonics_of,
+)
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import Motion
@@ -132,7 +137,7 @@ class Outlook:
 def outlook_of(profile: str, grid: ConditionArrays, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
     """Tell what tests of a profile at a grid of conditions would tell."""
     motion = _motions(grid, profile, diagnosis)
-    without = harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS_FORETOLD)
+    without = real_harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS_FORETOLD)
     law_forces = [_law_force(rival.judged, motion) for rival in rivals]
     noise, form = _noise(motion, without, diagnosis), _form(law_forces, without)
     pairs = list(itertools.combinations(range(len(rivals)), 2))
@@ -169,7 +174,7 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
-    shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: harmonics_of(forces, HARMONICS_FORETOLD))
+    shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: real_harmonics_of(forces, HARMONICS_FORETOLD))
     return (of_sensor + noise.scatter.covariance(directions(force, shifted))) / RUNS_OF_A_TEST
 
 
@@ -197,7 +202,7 @@ def _form(law_forces: Sequence[LawForce], without: Array) -> Array:
         law_forces: of the rivals on R motions.
         without: harmonics of the law without any of them, N, shape (R, m).
     """
-    beyond = [np.sum((harmonics_of(each.force, HARMONICS_FORETOLD) - without) ** 2, axis=1) for each in law_forces]
+    beyond = [np.sum((real_harmonics_of(each.force, HARMONICS_FORETOLD) - without) ** 2, axis=1) for each in law_forces]
     return np.asarray(np.eye(without.shape[1]) * (FORM_SHARE**2 * np.max(beyond, axis=0))[:, None, None])
 
 
@@ -212,7 +217,7 @@ def _distance(
         pair: the two.
         granted: covariance of harmonics that tells nothing, N2, shape (R, m, m).
     """
-    foretold = [harmonics_of(law_forces[place].force, HARMONICS_FORETOLD) for place in pair]
+    foretold = [real_harmonics_of(law_forces[place].force, HARMONICS_FORETOLD) for place in pair]
     difference = foretold[0] - foretold[1]
     slopes = [harmonic_slopes(law_forces[place], HARMONICS_FORETOLD, rivals[place].places) for place in pair]
     doubts = [np.einsum("prm,pq->rmq", each, rivals[place].doubt) for each, place in zip(slopes, pair, strict=True)]
