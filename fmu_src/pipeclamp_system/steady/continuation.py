@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-Evaluated = tuple[Array, Array, Array]
-"""Residual (m,), its derivatives by the unknowns (m, m) and by the parameter (m,)."""
+
+class Evaluated(NamedTuple):
+    """Residual (m,), its derivatives by the unknowns (m, m) and by the parameter (m,)."""
+
+    residual: Array
+    by_unknowns: Array
+    by_parameter: Array
 
 
 @dataclass(frozen=True)
@@ -292,7 +298,7 @@ def crossing(equation: Equation, before: Solution, after: Solution) -> Solution 
         else:
             high = middle
     scales = np.append(np.full(low.unknowns.size, np.abs(low.unknowns).max()), abs(low.parameter))
-    by_unknowns = equation(low.unknowns, low.parameter)[1]
+    by_unknowns = equation(low.unknowns, low.parameter).by_unknowns
     across = np.append(np.linalg.svd(by_unknowns)[2][-1], 0.0)
     for step in CROSSING_STEPS:
         found = _corrected(equation, low, across, step, scales, Steps.tolerance)
@@ -304,7 +310,7 @@ def crossing(equation: Equation, before: Solution, after: Solution) -> Solution 
 
 def _sign(equation: Equation, solution: Solution) -> float:
     """Give the sign of the determinant of the derivatives by the unknowns."""
-    return float(np.linalg.slogdet(equation(solution.unknowns, solution.parameter)[1])[0])
+    return float(np.linalg.slogdet(equation(solution.unknowns, solution.parameter).by_unknowns)[0])
 
 
 def _refined(

@@ -21,7 +21,7 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.steady.continuation import Equation, HarmonicRefinement
+from pipeclamp_system.steady.continuation import Equation, Evaluated, HarmonicRefinement
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
     FEWEST_HARMONICS,
@@ -250,13 +250,13 @@ class DrivenPipe:
     def over_frequency(self) -> Equation:
         """Give the balance at the stated level of the excitation as an equation in unknowns and frequency."""
 
-        def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
+        def equation(unknowns: Array, frequency: float) -> Evaluated:
             two = frequency * np.array([1.0, 1 + NUDGE])
             drives = np.array([self.excitation(one) for one in two.tolist()])
             residual, by_unknowns, ahead = self.linearised(
                 unknowns, two, drives, self.responses(two, self.up_to(unknowns)), rubbing=True
             )
-            return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
+            return Evaluated(residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0]))
 
         return Equation(equation, self._refinement)
 
@@ -264,12 +264,12 @@ class DrivenPipe:
         """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
         at, drive = np.array([frequency]), np.array([self.excitation(frequency)])
 
-        def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
+        def equation(unknowns: Array, level: float) -> Evaluated:
             responses = self.responses(at, self.up_to(unknowns))
             residual, by_unknowns, _ = self.linearised(unknowns, at, level * drive, responses)
             pushed = np.zeros((1, self.clamps, responses.shape[3]), dtype=np.complex128)
             pushed[0, :, 1] = -1j * drive * responses[0, : self.clamps, 0, 1]
-            return residual, by_unknowns, -packed(pushed)[0]
+            return Evaluated(residual, by_unknowns, -packed(pushed)[0])
 
         def asked(unknowns: Array, level: float) -> int:
             return self._asked(unknowns, frequency, level)

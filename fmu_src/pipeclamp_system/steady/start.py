@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.continuation import Equation, Solution, Steps, follow, solve
+from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution, Steps, follow, solve
 from pipeclamp_system.steady.driven import DrivenPipe
 from pipeclamp_system.steady.equivalent import equivalent
 from pipeclamp_system.steady.harmonics import (
@@ -84,7 +84,7 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
     guess, stiffness = told
     size = float(np.abs(guess).max())
 
-    def equation(unknowns: Array, share: float) -> tuple[Array, Array, Array]:
+    def equation(unknowns: Array, share: float) -> Evaluated:
         whole, by_unknowns, _ = pipe.linearised(unknowns, at, drive, responses, rubbing=True)
         rows = pipe.unpacked(np.vstack([np.zeros(unknowns.size), np.eye(unknowns.size)]))
         forces = stiffness[None, :, None] * rows
@@ -92,7 +92,8 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
         loaded = packed(pipe.under_forces(forces, drive, responses[:, : pipe.clamps]))
         springs = np.eye(unknowns.size) - (loaded[1:] - loaded[0]).T
         linear = springs @ unknowns - loaded[0]
-        return share * whole + (1 - share) * linear, share * by_unknowns + (1 - share) * springs, whole - linear
+        by_both = share * by_unknowns + (1 - share) * springs
+        return Evaluated(share * whole + (1 - share) * linear, by_both, whole - linear)
 
     turning = Equation(equation)
     begin = solve(turning, packed(guess[None])[0], 0.0, size)

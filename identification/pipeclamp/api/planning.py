@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +21,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.bundled import open_law
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
 
 
 class LoopTests(Shown):
@@ -39,7 +38,7 @@ class LoopTests(Shown):
         """Give its answer, tables and lines."""
         return band_plan_view(self.found, None)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give its page: title, subtitle, sections."""
         from pipeclamp.pages.narrowing import band_plan_page
 
@@ -64,7 +63,7 @@ class PlannedCampaign(Shown):
         """Give its answer, tables and lines."""
         return campaign_plan_view(self.found, None)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give its page: title, subtitle, sections."""
         from pipeclamp.pages.campaign_plan import campaign_plan_page
 

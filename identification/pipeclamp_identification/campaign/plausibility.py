@@ -12,6 +12,7 @@ import numpy as np
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
+from pipeclamp_identification.units.doubts import StatedAndShown
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
 SURE_STANDARD_ERRORS = 3.0
@@ -161,16 +162,12 @@ def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:
     return found
 
 
-Setting = tuple[float | None, float]
-"""A setting as it was stated, None where it wasn't, and as the record shows it."""
-
-
 def unless_contradicted(stated: float | None, shown: float) -> float | None:
     """Give a stated setting; None where the record shows another."""
     return stated if stated is not None and abs(shown - stated) <= STATED_APART * stated else None
 
 
-def contradiction(column: str, settings: Sequence[Setting]) -> str:
+def contradiction(column: str, settings: Sequence[StatedAndShown]) -> str:
     """Say that records show other settings than runs.csv states in a column; empty where they don't."""
     wrong = [(stated, shown) for stated, shown in settings if stated and unless_contradicted(stated, shown) is None]
     if not wrong:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from pipeclamp_identification.campaign.cycles import find_cycles
-from pipeclamp_identification.campaign.drive import Drive, Motion3, ramped, tones_motion
+from pipeclamp_identification.campaign.drive import Drive, Kinematics, ramped, tones_motion
 from pipeclamp_identification.campaign.plausibility import fundamental_of
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.campaign.writing import WrittenRun
@@ -336,7 +336,7 @@ def _random(plan: TestPlan, A: float, frequency: float, T: float, repeat: int) -
     return np.random.default_rng([*key, repeat] if repeat else key)
 
 
-def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array) -> Motion3:
+def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array) -> Kinematics:
     """Give displacement, velocity and acceleration of the drive, shape (R, n), with all tones and ramp-in."""
     tones = ((1, 1.0), (3, plan.distortion), (plan.riding_order, plan.riding))
     motion = tones_motion(tones, A[:, None], frequency, 2 * np.pi * frequency * time + shift[:, None])
@@ -346,12 +346,11 @@ def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array
     return motion
 
 
-def _followed(drive: Drive, share: Array, time: Array) -> Motion3:
+def _followed(drive: Drive, share: Array, time: Array) -> Kinematics:
     """Give the motion of runs that follow a drive signal, each at its share of it, shape (R, n)."""
     spline = make_interp_spline(drive.time_s, drive.displacement_mm, k=5)
     within = np.minimum(time, drive.time_s[-1])
-    y, v, a = (share[:, None] * spline(within, derivative) for derivative in range(3))
-    return y, v, a
+    return Kinematics(*(share[:, None] * spline(within, derivative) for derivative in range(3)))
 
 
 def _measured(truth: Array, noise: float, step: float, end: float, rng: np.random.Generator) -> Array:

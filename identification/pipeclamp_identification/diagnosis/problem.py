@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed, effective_n_jobs
@@ -153,8 +154,11 @@ class Judged:
         return float(self.score.squares.sum())
 
 
-Prepared = tuple[Problem, Fit]
-"""A diagnosis's data, and the law as it is fitted in N; see `prepare`."""
+class Prepared(NamedTuple):
+    """A diagnosis's data, and the law as it is fitted in N, without weights; see `prepare`."""
+
+    problem: Problem
+    in_newtons: Fit
 
 
 def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> Prepared:
@@ -175,9 +179,8 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     noise = noise_model(loops, of_a_shift(first.law, harmonics.motion, harmonics.transformed), residual)
     groups = condition_groups(loops)
     few = _as_seen_at_few(coarser(loops, harmonics), harmonics, first)
-    return Problem(
-        loops, harmonics, few, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors
-    ), first
+    problem = Problem(loops, harmonics, few, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
+    return Prepared(problem, first)
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:

@@ -11,6 +11,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.campaign.drive import Kinematics
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.loops.loop import Loop, loop_of
 from pipeclamp_identification.loops.scatter import DRIFT_AMONG_DRIFTS_BY_CHANCE, DRIFT_BY_CHANCE, drift_alike
@@ -160,7 +161,7 @@ def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:
     return np.asarray(terms.real @ phasors.real - terms.imag @ phasors.imag)
 
 
-def displacement_on_grid(loops: Loops, count: int) -> tuple[Array, Array, Array]:
+def displacement_on_grid(loops: Loops, count: int) -> Kinematics:
     """Return displacement, velocity and acceleration over one cycle.
 
     Args:
@@ -172,4 +173,4 @@ def displacement_on_grid(loops: Loops, count: int) -> tuple[Array, Array, Array]
     """
     speed = 2 * np.pi * loops.frequency_Hz[:, None]
     y, slope, curvature = (on_grid(loops.displacement, count, derivative) for derivative in range(3))
-    return y, speed * slope, speed**2 * curvature
+    return Kinematics(y, speed * slope, speed**2 * curvature)

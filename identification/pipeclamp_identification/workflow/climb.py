@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
@@ -110,8 +110,11 @@ class Turn:
     share: float
 
 
-Made = tuple[str, frozenset[str]]
-"""What a law is made of: base, and effects in whatever order."""
+class MadeOf(NamedTuple):
+    """What a law is made of: base, and effects in whatever order."""
+
+    base: str
+    effects: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,7 @@ class WayUp:
 
     settled: Settled | None
     turns: tuple[Turn, ...]
-    met: frozenset[Made]
+    met: frozenset[MadeOf]
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,7 @@ class Climber:
         file: LawFile,
         ladder: tuple[Rung, ...] = (),
         gone: Gone = MappingProxyType({}),
-        before: frozenset[Made] = frozenset(),
+        before: frozenset[MadeOf] = frozenset(),
     ) -> WayUp:
         """Diagnose and add until nothing helps.
 
@@ -158,9 +161,9 @@ class Climber:
             before: laws that other ways came by.
         """
         turns: tuple[Turn, ...] = ()
-        met: frozenset[Made] = frozenset()
+        met: frozenset[MadeOf] = frozenset()
         while True:
-            made = file.base, frozenset(file.effects)
+            made = MadeOf(file.base, frozenset(file.effects))
             if made in before:
                 return WayUp(None, turns, met)
             met |= {made}
@@ -197,7 +200,7 @@ class Climber:
                 name, having = rung.change.step.effect, str(rung.change.step)
             file, ladder, gone = self._without_spares(ladder, gone, name, having)
 
-    def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> WayUp:
+    def climb_from(self, turn: Turn, ended: float, before: frozenset[MadeOf]) -> WayUp:
         """Add the other effect at a turn, and go on from there.
 
         Args:

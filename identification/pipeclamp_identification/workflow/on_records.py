@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.seen import LeftOut
@@ -33,12 +33,17 @@ if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.revision import RevisedLaw
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 
-Known = tuple[Structure, tuple[tuple[str, float], ...]]
-"""A law as its file holds it: structure, and values by name."""
 
+class KnownLaw(NamedTuple):
+    """A law as its file holds it, to find by it what is known of the law."""
 
-def _known(structure: Structure, values: Mapping[str, float]) -> Known:
-    return structure, tuple((name, rounded(value)) for name, value in sorted(values.items()))
+    structure: Structure
+    values: tuple[tuple[str, float], ...]
+
+    @classmethod
+    def of(cls, structure: Structure, values: Mapping[str, float]) -> KnownLaw:
+        """Give a law by its parameters' values, rounded as in a file."""
+        return cls(structure, tuple((name, rounded(value)) for name, value in sorted(values.items())))
 
 
 @dataclass(frozen=True)
@@ -81,12 +86,12 @@ class RecordTests:
         return loop_observations(self.loops)
 
     @cached_property
-    def _left_out_errors(self) -> dict[Known, float]:
+    def _left_out_errors(self) -> dict[KnownLaw, float]:
         """Errors of laws on left-out conditions: a ladder's next step begins with the law that the last one made."""
         return {}
 
     @cached_property
-    def _prepared(self) -> dict[Known, Prepared]:
+    def _prepared(self) -> dict[KnownLaw, Prepared]:
         """The last law that was fitted for a diagnosis, or for asking it again: the other follows."""
         return {}
 
@@ -194,7 +199,7 @@ class RecordTests:
         return RefittedLaw(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
 
     def _left_out_error(self, law: Law) -> float:
-        known = _known(law.structure, law.values)
+        known = KnownLaw.of(law.structure, law.values)
         if known not in self._left_out_errors:
             self._left_out_errors[known] = refitted_nrmse(law, self.loops, self.observations)
         return self._left_out_errors[known]
@@ -202,7 +207,7 @@ class RecordTests:
     def _prepared_for(self, structure: Structure, values: Mapping[str, float]) -> Prepared:
         from pipeclamp_identification.diagnosis.problem import prepare
 
-        known = _known(structure, values)
+        known = KnownLaw.of(structure, values)
         if known not in self._prepared:
             self._prepared.clear()
             self._prepared[known] = prepare(structure, self.loops, values)
