@@ -15,7 +15,7 @@ import uvicorn
 
 from pipeclamp.studio.desk import Desk
 from pipeclamp.studio.routes import application, most_bytes
-from pipeclamp.studio.security import Door, Guard
+from pipeclamp.studio.security import Door, RequestGuard
 from pipeclamp.studio.serve import bound
 
 
@@ -72,7 +72,7 @@ def running(home: Path, campaign: str = "") -> Iterator[Studio]:
     desk = Desk(home, campaign)
     listening = bound("127.0.0.1", 0)
     door = Door("127.0.0.1", listening.getsockname()[1])
-    app = Guard(application(desk), door, most_bytes)
+    app = RequestGuard(application(desk), door, most_bytes)
     server = uvicorn.Server(uvicorn.Config(app, log_level="warning", lifespan="off", timeout_graceful_shutdown=1))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
     thread.start()

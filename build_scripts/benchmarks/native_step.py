@@ -19,7 +19,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from pipeclamp_fmu.build import build_native_clamp
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_fmu.native.compiler import FLAGS, system_compiler
 from pipeclamp_models.law.bundled import bundled_laws, open_law
 
@@ -105,7 +105,7 @@ def main() -> None:
                 copying = compiled(folder / "sources", HOST / "empty.c", root / "empty.so", *options)
                 bare = in_c(host, copying, token, folder)
             ours, ours_in_fmpy = in_c(host, library, token, folder / "resources"), in_fmpy(folder, identifier, token)
-            build_native_clamp(open_law(name), fmu, told=Start(track=True))
+            build_native_clamp(open_law(name), fmu, told=ClampStart(track=True))
             _, its_token, its_library = unpacked(fmu, root / f"{name}_tracked")
             tracked = in_c(host, its_library, its_token, root / f"{name}_tracked" / "resources")
             without_law(root / f"{name}_empty", folder / "sources", library)

@@ -20,7 +20,7 @@ with atheris.instrument_imports(include=["pipeclamp", "pipeclamp_models", "pipec
     from pipeclamp_identification.importing.stated import Options
     from pipeclamp_identification.workflow.reading import read_tests
     from pipeclamp_models.base.errors import UserError
-    from pipeclamp_models.base.said import LONGEST
+    from pipeclamp_models.base.said import LONGEST_LINE
     from pipeclamp_models.law.bundled import open_law
     from pipeclamp_models.law.declaration_files import read_declaration
     from pipeclamp_models.law.file import read_law
@@ -55,7 +55,7 @@ def main(name):
             read(FOLDER / file)
         except UserError as error:
             first = str(error).split("\n")[0]
-            if not 0 < len(first) <= 2 * LONGEST:
+            if not 0 < len(first) <= 2 * LONGEST_LINE:
                 raise AssertionError(first) from error
 
     atheris.Setup([sys.argv[0], *sys.argv[2:]], once)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from pipe_rig import Drive, Sensor, Sine
-from record_rig import Motion
+from pipe_rig import RecordedDrive, Sensor, Sine
+from record_rig import DrivenMotion
 
 from pipeclamp_models.law.law import Structure
 
@@ -93,7 +93,7 @@ class Design:
     motion: tuple[float, float]
     sensors: tuple[Sensor, ...]
     sines: tuple[Sine, ...]
-    motions: Mapping[str, tuple[Motion, ...]]
+    motions: Mapping[str, tuple[DrivenMotion, ...]]
 
     def write(self, folder: Path, fields: Mapping[str, object], laws: Mapping[str, Mapping[str, float]]) -> Path:
         """Write the system with other fields and coefficients in place; give its file."""
@@ -148,9 +148,9 @@ DESIGNS: Mapping[str, Design] = {
         (Sensor("tip", 3.0, "m/s2"), Sensor("middle", 1.5, "mm")),
         sines(5.0, 12.0, 16, (0.5, 2.0)),
         {
-            "sweep": (Motion("sweep", 0.5, 5.0, 12.0, 8.0), Motion("sweep", 2.0, 5.0, 12.0, 8.0)),
-            "burst": (Motion("burst", 6.0, 5.0, 12.0, 12.0),),
-            "random": (Motion("random", 3.0, 3.0, 16.0, 12.0),),
+            "sweep": (DrivenMotion("sweep", 0.5, 5.0, 12.0, 8.0), DrivenMotion("sweep", 2.0, 5.0, 12.0, 8.0)),
+            "burst": (DrivenMotion("burst", 6.0, 5.0, 12.0, 12.0),),
+            "random": (DrivenMotion("random", 3.0, 3.0, 16.0, 12.0),),
         },
     ),
     "rack": Design(
@@ -165,9 +165,9 @@ DESIGNS: Mapping[str, Design] = {
         (Sensor("quarter", 2.5, "mm"), Sensor("span", 5.2, "mm/s"), Sensor("end", 7.5, "g")),
         sines(4.0, 14.0, 18, (30.0, 150.0)),
         {
-            "sweep": (Motion("sweep", 30.0, 4.0, 14.0, 8.0), Motion("sweep", 150.0, 4.0, 14.0, 8.0)),
-            "burst": (Motion("burst", 400.0, 4.0, 14.0, 12.0),),
-            "random": (Motion("random", 150.0, 3.0, 16.0, 12.0),),
+            "sweep": (DrivenMotion("sweep", 30.0, 4.0, 14.0, 8.0), DrivenMotion("sweep", 150.0, 4.0, 14.0, 8.0)),
+            "burst": (DrivenMotion("burst", 400.0, 4.0, 14.0, 12.0),),
+            "random": (DrivenMotion("random", 150.0, 3.0, 16.0, 12.0),),
         },
     ),
 }
@@ -198,7 +198,7 @@ class Trial:
     noise: float = 0.01
     measured: tuple[str, ...] = ("sines",)
     sensors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    drive: Drive = field(default_factory=Drive)
+    drive: RecordedDrive = field(default_factory=RecordedDrive)
 
 
 def _times(design: str, clamp: str, factor: float, *names: str) -> Mapping[str, Mapping[str, float]]:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from designs import DESIGNS, MASS, Design, Trial, sines
-from pipe_rig import Drive, Sensor
-from record_rig import Motion
+from pipe_rig import RecordedDrive, Sensor
+from record_rig import DrivenMotion
 
 LINE = """
 name = "line"
@@ -46,7 +46,7 @@ def _design(drive: float) -> Design:
         (0.5, 17.0),
         (Sensor("near", 1.2, "m/s2"), Sensor("far", 2.2, "mm")),
         sines(12.0, 23.0, 16, (drive,)),
-        {"random": (Motion("random", 3 * drive, 8.0, 30.0, 8.0),)},
+        {"random": (DrivenMotion("random", 3 * drive, 8.0, 30.0, 8.0),)},
     )
 
 
@@ -63,13 +63,13 @@ class Fault:
     fields: Mapping[str, object] = field(default_factory=dict)
     law: Mapping[str, float] = field(default_factory=dict)
     sensors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    drive: Drive = field(default_factory=Drive)
+    drive: RecordedDrive = field(default_factory=RecordedDrive)
 
 
 FAULTS = (
     Fault("nothing", ()),
     Fault("both sensors 10 % too high", ("sensors.gain",), sensors={"near": {"gain": 1.1}, "far": {"gain": 1.1}}),
-    Fault("frequency axis 1 % off", ("frequency_axis",), drive=Drive(rate=1.01)),
+    Fault("frequency axis 1 % off", ("frequency_axis",), drive=RecordedDrive(rate=1.01)),
     Fault("clamp 5 % softer", ("clamp1.stiffness",), law={"k10": 19.0, "k30": 7.6}),
     Fault("clamp 20 % stiffer", ("clamp1.stiffness",), law={"k10": 24.0, "k30": 9.6}),
     Fault("clamp damping 0.7 times", ("clamp1.damping",), law={"c0": 0.7}),
@@ -83,8 +83,8 @@ FAULTS = (
     Fault("one sensor 2 ms late", ("sensor:far.delay",), sensors={"far": {"delay": 2e-3}}),
     Fault("m/s2 stated, g recorded", ("sensor:near.gain",), sensors={"near": {"gain": 1 / 9.80665}}),
     Fault("one sensor 0.15 m off", ("sensor:far.position",), sensors={"far": {"moved": 0.15}}),
-    Fault("excitation 10 % too high", ("excitation.gain",), drive=Drive(gain=1.1)),
-    Fault("excitation 2 ms late", ("excitation.delay",), drive=Drive(delay=2e-3)),
+    Fault("excitation 10 % too high", ("excitation.gain",), drive=RecordedDrive(gain=1.1)),
+    Fault("excitation 2 ms late", ("excitation.delay",), drive=RecordedDrive(delay=2e-3)),
     Fault("clamp at 1.75 m instead of 1.6 m", ("clamp1.position",), {"clamp": 1.75}),
     Fault("modulus 10 % higher", ("modulus",), {"modulus": 214.5}),
 )  # fmt: skip

@@ -58,7 +58,7 @@ class Sensor:
 
 
 @dataclass(frozen=True)
-class Drive:
+class RecordedDrive:
     """What is wrong with the recorded excitation and its time axis.
 
     Attributes:
@@ -83,7 +83,7 @@ class Sine:
 
 def measure(
     system: Path, sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], folder: Path, noise: float, seed: int,
-    drive: Drive | None = None, kept: Path | None = None,
+    drive: RecordedDrive | None = None, kept: Path | None = None,
 ) -> str:  # fmt: skip
     """Measure the sines on a described system, write them, a file a temperature, and give what to describe of them.
 
@@ -98,7 +98,7 @@ def measure(
         drive: what is wrong with the excitation as it is recorded.
         kept: folder in which exact motions are kept for further measurements of the same ones.
     """
-    drive = drive or Drive()
+    drive = drive or RecordedDrive()
     rng = np.random.default_rng(seed)
     pipe = read_pipe(system.parent / str(read_system(system).pipe.file))
     pipe = pipe.model_copy(
@@ -127,7 +127,7 @@ def measure(
     return "".join(f"{line}\n" for line in lines)
 
 
-def _recorded(sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], drive: Drive) -> np.ndarray:
+def _recorded(sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], drive: RecordedDrive) -> np.ndarray:
     """Give recorded over true phasors, (sines, sensors)."""
     omega = 2 * pi * np.array([sine.frequency for sine in sines])[:, None]
     gain, phase, delay = (

@@ -32,7 +32,7 @@ DRIVE_NOISE = 0.3
 
 
 @dataclass(frozen=True)
-class Motion:
+class DrivenMotion:
     """An excitation.
 
     Attributes:
@@ -74,7 +74,7 @@ class Motion:
 
 
 def measure_motions(
-    system: Path, sensors: tuple[Sensor, ...], motions: tuple[Motion, ...], folder: Path, noise: float, seed: int
+    system: Path, sensors: tuple[Sensor, ...], motions: tuple[DrivenMotion, ...], folder: Path, noise: float, seed: int
 ) -> str:
     """Measure motions on a described system, write their records, and give what to write of them in the description.
 

@@ -25,7 +25,7 @@ from pipeclamp_identification.attribution.compared import compare_measured
 from pipeclamp_identification.attribution.pairs import promised_pairs, refitted_pairs
 from pipeclamp_identification.attribution.refit import Refit, as_stated, refit, searched
 from pipeclamp_identification.attribution.suspects import suspects_of
-from pipeclamp_identification.attribution.task import Task
+from pipeclamp_identification.attribution.task import RefitTask
 from pipeclamp_identification.attribution.verdict import RULED_OUT_SQUARES, stated_task
 from pipeclamp_identification.on_pipe.series import series_of
 
@@ -61,7 +61,7 @@ def apart(number: int, trial: Trial, folder: Path) -> Apart:
     return Apart(as_stated(task).squared, nearest.squared, _name(nearest))
 
 
-def with_noise(task: Task, noise: float) -> Task:
+def with_noise(task: RefitTask, noise: float) -> RefitTask:
     """Give a task with the noise that `pipe_rig.measure` adds."""
     assert task.sines is not None
     steady = task.sines.measurement.steady

@@ -24,7 +24,7 @@ from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
 from pipeclamp_identification.campaign.rig import PlannedRun, TestPlan, planned, virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-from pipeclamp_identification.planning.campaign import Asked, CampaignPlan, plan_campaign
+from pipeclamp_identification.planning.campaign import CampaignPlan, PlanRequest, plan_campaign
 from pipeclamp_identification.planning.hidden import law_of_size
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.catalogue import effect_id
@@ -59,7 +59,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     told = parser.parse_args()
     told.output.mkdir(parents=True, exist_ok=True)
-    plan = plan_campaign(open_law(LAW), parse_limits(told.limits), Asked(hours=told.hours, scatter=0.0))
+    plan = plan_campaign(open_law(LAW), parse_limits(told.limits), PlanRequest(hours=told.hours, scatter=0.0))
     least, names = plan.power.from_newtons, np.array(plan.power.scene.effects)
     print(f"{len(plan.runs)} runs, {plan.hours:.3g} h, {least:.3g} N", flush=True)
     known = np.flatnonzero(plan.power.told)

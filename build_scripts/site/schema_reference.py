@@ -19,7 +19,7 @@ from pydantic import BaseModel
 from sphinx.application import Sphinx
 
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.base.toml_file import Table
+from pipeclamp_models.base.toml_file import TomlTable
 
 BOUNDS = {
     "gt": "> {}", "exclusiveMinimum": "> {}", "ge": "≥ {}", "minimum": "≥ {}", "lt": "< {}", "exclusiveMaximum": "< {}",
@@ -122,7 +122,7 @@ def schema_lines(model: type[BaseModel], page: str, heading: str) -> list[str]:
     anchor = f"{page}-{model.__name__}".lower().replace("/", "-")
     places = _places(schema)
     titles = {
-        name: ", ".join(dict.fromkeys(_title(place, issubclass(model, Table)) for place in found))
+        name: ", ".join(dict.fromkeys(_title(place, issubclass(model, TomlTable)) for place in found))
         for name, found in places.items()
     }
     is_read = not issubclass(model, AnswerModel)

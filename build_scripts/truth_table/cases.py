@@ -18,7 +18,7 @@ from unlisted import UNLISTED
 
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
-from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS, RIDDEN, RIDING, RIDING_ORDER
+from pipeclamp_identification.diagnosis.further_test.outlook import RIDDEN, RIDING_ORDER, RIDING_SHARE, RUNS_OF_A_TEST
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import misfits
 from pipeclamp_identification.fitting.observations import loop_observations
@@ -395,7 +395,7 @@ def further_runs(drawn: Drawn, done: Measured, campaign: Campaign, proposal: Pro
         proposal: the test.
     """
     A, f, T = proposal.amplitude_mm, proposal.frequency_Hz, proposal.temperature_C
-    ridden = (RIDING_ORDER, RIDING) if proposal.profile == RIDDEN else None
+    ridden = (RIDING_ORDER, RIDING_SHARE) if proposal.profile == RIDDEN else None
     before = len(campaign.runs)
     named = {"N": "cycles", "rho": "density", f"u_{COLUMN}": "condition"}
     wanted = {named[signal]: value for signal, value in proposal.further.items()}
@@ -405,7 +405,7 @@ def further_runs(drawn: Drawn, done: Measured, campaign: Campaign, proposal: Pro
     design = replace(design, rate=max(design.rate, MOST_COARSE * f))
     added: list[Run] = []
     noise = done.noise_share * drawn.force_rms
-    for repeat in range(REPEATS):
+    for repeat in range(RUNS_OF_A_TEST):
         runs = batches(design, random, drawn.needs, ridden, wanted)
         channels = []
         for batch, true in zip(runs, drawn.forces(runs, done.sizes, True), strict=True):

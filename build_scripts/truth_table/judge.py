@@ -11,7 +11,8 @@ from typing import Any, Protocol
 from cases import Case, Drawn, Measured, draw, further_runs, measure
 
 from pipeclamp_identification.campaign.reading import Campaign
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed as Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pipeclamp_fmu.contents.behind import what_stands_behind
 from pipeclamp_fmu.contents.clamp import clamp_content
-from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, Entry, Start, middle
+from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, ClampStart, Entry, middle
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.continuous_memory import require_states
@@ -38,7 +38,7 @@ def version() -> str:
     return importlib.metadata.version("pipeclamp")
 
 
-def build_clamp(file: LawFile, output: Path, told: Start = USUAL) -> str:
+def build_clamp(file: LawFile, output: Path, told: ClampStart = USUAL) -> str:
     """Build a clamp FMU (FMI 2.0 co-simulation, Python) from a law.
 
     Args:
@@ -57,7 +57,7 @@ def build_clamp(file: LawFile, output: Path, told: Start = USUAL) -> str:
 
 
 def build_native_clamp(
-    file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None, told: Start = USUAL
+    file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None, told: ClampStart = USUAL
 ) -> Built:
     """Build a clamp FMU (FMI 2.0 or 3.0, co-simulation and model exchange, C) from a law.
 
@@ -75,7 +75,7 @@ def build_native_clamp(
     return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
-def python_clamp_content(file: LawFile, told: Start = USUAL) -> Content:
+def python_clamp_content(file: LawFile, told: ClampStart = USUAL) -> Content:
     """Give all that goes into a law's Python FMU.
 
     Raises:
@@ -86,7 +86,7 @@ def python_clamp_content(file: LawFile, told: Start = USUAL) -> Content:
     return clamp_content(_with_what_stands_behind(model, file), version())
 
 
-def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
+def native_clamp_content(file: LawFile, told: ClampStart = USUAL) -> NativeContent:
     """Give all that goes into a law's native FMU.
 
     Raises:

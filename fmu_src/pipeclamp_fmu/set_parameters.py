@@ -10,7 +10,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from pipeclamp_fmu.build import native_clamp_content, python_clamp_content
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
+from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_fmu.native.clamp import DISSIPATED, MEMORY
 from pipeclamp_fmu.native.packing import native_files
 from pipeclamp_fmu.native.sources import c_sources
@@ -21,7 +22,6 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.law.file import LawFile
 
-DESCRIPTION = "modelDescription.xml"
 EXPECTED = "a clamp FMU made by `pipeclamp build-fmu`"
 GENERATED = ("sources/law.h", "sources/layout.h")
 """What says which equations and variables a native FMU has."""
@@ -65,7 +65,7 @@ class _Built:
 
     fmi: int
     identifier: str
-    told: Start
+    told: ClampStart
 
 
 def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
@@ -74,9 +74,9 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
     Raises:
         UserError: a file of it is missing, or isn't as this program writes it.
     """
-    place = DESCRIPTION
+    place = MODEL_DESCRIPTION
     try:
-        root = ElementTree.fromstring(files[DESCRIPTION])
+        root = ElementTree.fromstring(files[MODEL_DESCRIPTION])
         connected = [entry.get("name") for entry in root.iter() if entry.get("causality") == "input"]
         events = root.get("numberOfEventIndicators", "0") != "0" or root.find(".//EventIndicator") is not None
         states = any(entry.get("name") == f"{MEMORY}{DISSIPATED}" for entry in root.iter())
@@ -87,7 +87,7 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
     except (ElementTree.ParseError, LookupError, StopIteration, ValueError, struct.error) as error:
         what = "isn't as it was built" if place in files else "is missing"
         raise UserError(f"{fmu}: {place} in it {what}; expected {EXPECTED}, whole") from error
-    start = Start(
+    start = ClampStart(
         A=told.get("A"),
         f=told.get("f"),
         T=told.get("T"),

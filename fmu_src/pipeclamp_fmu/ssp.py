@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
+from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_fmu.describe.model_description import identifier
 from pipeclamp_fmu.describe.ssv import element, parameter_set, written
 from pipeclamp_fmu.python.packing import zipped
@@ -86,9 +87,9 @@ def _ports(fmu: Path) -> tuple[list[_Port], dict[str, Mapping[str, str]]]:
         UserError: the FMU is not of FMI 2.0.
     """
     try:
-        root = ElementTree.fromstring(read_part(fmu, "modelDescription.xml", "an FMU of FMI 2.0"))
+        root = ElementTree.fromstring(read_part(fmu, MODEL_DESCRIPTION, "an FMU of FMI 2.0"))
     except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise UserError(f"{fmu}: modelDescription.xml in it is no XML ({error}); expected an FMU of FMI 2.0") from error
+        raise UserError(f"{fmu}: {MODEL_DESCRIPTION} in it is no XML ({error}); expected an FMU of FMI 2.0") from error
     if root.get("fmiVersion") != "2.0":
         raise UserError(
             f"{fmu}: FMI {root.get('fmiVersion')}; expected FMI 2.0, as masters take it in an SSP 1.0: "

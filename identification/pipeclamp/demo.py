@@ -15,7 +15,7 @@ from pipeclamp.pages.page import Section, write_report
 from pipeclamp.pages.pictures import overlay_picture
 from pipeclamp.pages.sections import law_page, metrics_page
 from pipeclamp.pages.system.cosim import cosim_sections
-from pipeclamp.pages.waterfall import OF_METRICS, Rung, waterfall_picture
+from pipeclamp.pages.waterfall import OF_METRICS, RungBars, waterfall_picture
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import change_table
 from pipeclamp.show.table import Table
@@ -24,7 +24,7 @@ from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import stages_held
-from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, Step, reading_law, way
+from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, PublishedStep, reading_law, way
 from pipeclamp_identification.workflow.change import LawChange, add_effect
 from pipeclamp_identification.workflow.next_command import after_change, after_import
 from pipeclamp_identification.workflow.next_in_system import after_cosim
@@ -104,14 +104,14 @@ def _published_tables(folder: Path, tell: Tell) -> Path:
     return path
 
 
-def _caution(step: Step) -> str:
+def _caution(step: PublishedStep) -> str:
     if not step.rests_on:
         return ""
     rows = "; ".join(f"{A:g} mm, {f:g} Hz, {T:g} degC" for A, f, T in step.rests_on)
     return f"  (rests on one row: {rows})"
 
 
-def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
+def _way_sections(steps: tuple[PublishedStep, ...]) -> list[Section]:
     rows: list[tuple[str | float, ...]] = [
         (step.title, *(100 * error for error in step.errors), _caution(step).strip(" ()")) for step in steps
     ]
@@ -124,7 +124,7 @@ def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
         "A step that rests on one row gains less than half without that one measurement: the tables support it, they "
         "don't prove it.",
     ]
-    rungs = [Rung(step.title, {"dW and W": step.errors[0]}) for step in steps]
+    rungs = [RungBars(step.title, {"dW and W": step.errors[0]}) for step in steps]
     falling = waterfall_picture(rungs, None, "Error against the published tables", OF_METRICS)
     return [
         Section("The way", words, [table], [falling], after_import("emwm2_tables")),
@@ -184,7 +184,7 @@ def _law_sections(
 ) -> list[Section]:
     steps = ["base law", *(str(change.step) for change in changes)]
     falling = waterfall_picture(
-        [Rung(step, {UNSEEN: comparison.nrmse}) for step, comparison in zip(steps, on_unseen, strict=True)],
+        [RungBars(step, {UNSEEN: comparison.nrmse}) for step, comparison in zip(steps, on_unseen, strict=True)],
         on_unseen[-1].noise_nrmse,
         "Error on tests never seen, effect by effect",
     )

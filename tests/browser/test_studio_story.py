@@ -16,7 +16,7 @@ pytest.importorskip("starlette", reason="needs the extra 'studio'")
 pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 
 import pipeclamp as pc
-from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
+from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis, ToldRung, stamp
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.file import read_law
 
@@ -216,7 +216,7 @@ def told_both(law, both, values):
         name=",".join(both), heldout_nrmse=0.006, explained=0.9, against=(), effects=both, values=values, **words
     )
     promised = ToldRung(label=" ".join(f"+ {name}" for name in both), heldout_nrmse=0.006, explained=0.9)
-    return Told(
+    return ToldDiagnosis(
         law_command=stamp(law), verdict="missing", kind="part", effects=both[:1], together=both, headline="Part.",
         words=("They help only together.",), rung=("Both.",), lines=(), heldout_nrmse=0.02, candidates=(candidate,),
         promised=(promised,), next_test="", drive=False,

@@ -16,7 +16,7 @@ import pytest
 from project import EXAMPLES
 
 from pipeclamp.__main__ import main
-from pipeclamp_models.base.said import LONGEST
+from pipeclamp_models.base.said import LONGEST_LINE
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_text
 
@@ -92,7 +92,7 @@ def test_a_command_answers_or_says_what_is_wrong_in_a_line(name, whole, tmp_path
         assert status in (0, 1, 2), (number, told.err)
         if status == 1:
             message = next(line for line in told.err.splitlines() if line.startswith("pipeclamp: "))
-            assert len(message) <= LONGEST + len("pipeclamp: "), message
+            assert len(message) <= LONGEST_LINE + len("pipeclamp: "), message
             assert {path.name for path in folder.iterdir()} == before
         assert "Traceback" not in told.err
         shutil.rmtree(folder)

@@ -97,7 +97,7 @@ def test_a_system_for_other_masters_tells_and_holds_the_step_that_they_may_take(
 @pytest.mark.parametrize(("most", "said"), [(128, "in no step down to"), (512, "foretold from")])
 def test_where_the_step_would_take_too_long_to_find_it_is_foretold_or_none_is_named(shaken, monkeypatch, most, said):
     """In 1/128 of a cycle the coupling is too far off to foretell anything by."""
-    monkeypatch.setattr(parallel_step, "MOST_STEPS", 20 * most)
+    monkeypatch.setattr(parallel_step, "MOST_STEPS_OF_A_TRIAL", 20 * most)
     folder = shaken("iterated", 32)
     done = CliRunner().invoke(app, ["system", str(folder / "system.toml"), "-o", str(folder / "system.ssp")])
     assert done.exit_code == 0

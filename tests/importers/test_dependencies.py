@@ -9,7 +9,7 @@ from native_driver import NativeDriver
 from test_pipe_fmu import PIPES
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_excitation
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_fmu.contents.excitation import Samples
 
 STEP = {"flange.s": 1e-4, "flange.v": -0.01, "T_in": 20.0, "A": 1e-4, "f": 0.5, "T": 15.0}
@@ -60,7 +60,7 @@ def test_a_pipe_in_model_exchange_depends_on_what_its_matrices_hold(native_pipes
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_clamp_in_model_exchange_depends_on_its_motion(law_with_memory, tmp_path, fmi):
-    build_native_clamp(law_with_memory, tmp_path / "clamp.fmu", fmi, told=Start(connected_temperature=True))
+    build_native_clamp(law_with_memory, tmp_path / "clamp.fmu", fmi, told=ClampStart(connected_temperature=True))
     found = {}
     for track in (False, True):
         clamp = NativeDriver(tmp_path / "clamp.fmu", tmp_path / str(track), "ModelExchange", {"track": track})

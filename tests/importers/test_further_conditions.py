@@ -16,7 +16,7 @@ from pipeclamp_models.steps.within_step import walk
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.variables import clamp_parameters
 from pipeclamp_system.description.system import read_system
-from pipeclamp_system.fmus.variables import read_description, variables_of
+from pipeclamp_system.fmus.variables import read_model_description, variables_of
 from pipeclamp_system.steady.described import steady_clamp
 
 H = 1e-3
@@ -177,7 +177,7 @@ def test_a_system_gives_its_clamps_conditions_by_column(system, tmp_path, law_wi
     path = system(CONDITIONS)
     (source,) = read_system(path).clamps
     build_clamp(file, tmp_path / "further.fmu")
-    variables = variables_of(read_description(tmp_path / "further.fmu"))
+    variables = variables_of(read_model_description(tmp_path / "further.fmu"))
     given = clamp_parameters(source, read_system(path), variables)
     assert (given["rho"], given["condition.current_A"], given["firstCycle"]) == (2500.0, 1.5, 190.0)
     steady = steady_clamp(source, tmp_path, None, "here")

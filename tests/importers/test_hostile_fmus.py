@@ -16,7 +16,7 @@ import pytest
 
 from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.said import LONGEST
+from pipeclamp_models.base.said import LONGEST_LINE
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_system.fmus.participant import LoadedFmu
 
@@ -77,7 +77,7 @@ def test_a_native_fmu_with_a_damaged_part_is_taken_or_told_in_a_line(what, nativ
             except UserError as error:
                 first, *further = str(error).split("\n")
                 assert str(path) in first or path.name in first
-                assert len(first) <= LONGEST
+                assert len(first) <= LONGEST_LINE
                 assert all(line.startswith("  ") for line in further)
     assert taken or what != "stored"
 

@@ -13,7 +13,7 @@ from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
 from pipeclamp_fmu.build import build_native_clamp
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_fmu.native.compiler import system_compiler
 from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.base.errors import UserError
@@ -52,7 +52,7 @@ def fmus(law_of_many, tmp_path_factory):
         pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
     folder = tmp_path_factory.mktemp("states")
     for fmi in (2, 3):
-        told = Start(A=A, f=F, memory_as_states=True, events=fmi == 3)
+        told = ClampStart(A=A, f=F, memory_as_states=True, events=fmi == 3)
         build_native_clamp(law_of_many, folder / f"fmi{fmi}.fmu", fmi, told=told)
     return {fmi: folder / f"fmi{fmi}.fmu" for fmi in (2, 3)}
 
@@ -161,7 +161,7 @@ def test_what_cannot_be_states_is_refused_by_name(law_with_memory, law_with_furt
         (law_with_memory, {"track": True}, "track A and f"),
     ):
         with pytest.raises(UserError, match=words):
-            build_native_clamp(law, tmp_path / "a.fmu", told=Start(memory_as_states=True, **told))
+            build_native_clamp(law, tmp_path / "a.fmu", told=ClampStart(memory_as_states=True, **told))
     assert list(tmp_path.iterdir()) == []
 
 

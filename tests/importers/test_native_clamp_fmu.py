@@ -17,7 +17,7 @@ from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_fmu.native.compiler import compile_sources, system_compiler
 from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.base.errors import UserError
@@ -147,7 +147,7 @@ def test_a_reversal_is_an_event(native):
 def test_without_events_a_reversal_is_seen_at_the_step_s_end(native, law_with_memory, tmp_path, fmi):
     """And another law's parameters leave it so."""
     path = tmp_path / "clamp.fmu"
-    build_native_clamp(law_with_memory, path, fmi, told=Start(events=False))
+    build_native_clamp(law_with_memory, path, fmi, told=ClampStart(events=False))
     set_parameters(path, law_with_memory, path)
     clamp = NativeDriver(path, tmp_path / "unpacked", "ModelExchange", {})
     assert not clamp.description.numberOfEventIndicators

@@ -10,7 +10,7 @@ import pytest
 from native_driver import INTERFACES, NativeDriver
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.native.compiler import system_compiler
 from pipeclamp_fmu.set_parameters import set_parameters
@@ -38,7 +38,7 @@ def built(tmp_path_factory, law_with_memory):
         key = (kind, *sorted(told.items()))
         if key not in made:
             made[key] = folder / f"{len(made)}.fmu"
-            BUILD[kind](law_with_memory, made[key], told=Start(**told))
+            BUILD[kind](law_with_memory, made[key], told=ClampStart(**told))
         return made[key]
 
     return make
@@ -251,7 +251,7 @@ def test_another_law_s_parameters_leave_what_the_fmu_was_told(built, law_with_me
     told = {"A": 9e-4, "f": 2.0, "T": 350.0, "track": True, "connected_temperature": True}
     wider = law_with_memory.range | {"A": law_with_memory.range["A"].model_copy(update={"maximum": 1.2})}
     other = law_with_memory.model_copy(update={"name": "other", "range": wider})
-    BUILD[kind](other, tmp_path / "anew.fmu", told=Start(**told))
+    BUILD[kind](other, tmp_path / "anew.fmu", told=ClampStart(**told))
     set_parameters(built(kind, **told), other, tmp_path / "changed.fmu")
     assert (tmp_path / "changed.fmu").read_bytes() == (tmp_path / "anew.fmu").read_bytes()
     usual = tmp_path / "usual.fmu"
@@ -275,5 +275,5 @@ def test_another_law_s_parameters_leave_what_the_fmu_was_told(built, law_with_me
 def test_start_values_beyond_the_range_are_refused(law_with_memory, tmp_path, told, words):
     for build in (build_clamp, partial(build_native_clamp, platforms=())):
         with pytest.raises(UserError, match=words):
-            build(law_with_memory, tmp_path / "clamp.fmu", told=Start(**told))
+            build(law_with_memory, tmp_path / "clamp.fmu", told=ClampStart(**told))
     assert not (tmp_path / "clamp.fmu").exists()

@@ -14,7 +14,7 @@ from fmpy.ssp import ssd
 from lxml import etree
 
 from pipeclamp_fmu.build import build_clamp
-from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_model import ClampStart
 from pipeclamp_models.law.file import Covariance, LastDiagnosis, Shares, Spread
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
@@ -48,7 +48,7 @@ def uncertain(law_with_memory):
 @pytest.fixture(scope="module")
 def fmu(uncertain, tmp_path_factory):
     path = tmp_path_factory.mktemp("behind") / "clamp.fmu"
-    build_clamp(uncertain, path, Start(T=433.15))
+    build_clamp(uncertain, path, ClampStart(T=433.15))
     return path
 
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.time_limit import time_limit
-from pipeclamp_models.law.expression import DEEPEST, FUNCTIONS, LONGEST, WHERE, parse_expression
+from pipeclamp_models.law.expression import FUNCTIONS, MOST_CHARACTERS, MOST_LEVELS, WHERE, parse_expression
 from pipeclamp_models.realise.scalar import ScalarPrinter
 
 NAMES = {name: sp.Symbol(name, real=True) for name in ("y", "v", "p_1")}
@@ -193,10 +193,10 @@ def test_any_text_is_an_expression_or_refused(text):
         ("9" * 400, 1, "too large"),
         ("1e-200 * y", 1, "number above"),
         ("y * 1e90 * v * 1e90", 1, "number above"),
-        ("y" * (LONGEST + 1), None, f"expected {LONGEST} at most"),
+        ("y" * (MOST_CHARACTERS + 1), None, f"expected {MOST_CHARACTERS} at most"),
         ("(" * 500 + "y" + ")" * 500, None, "is no expression"),
         ("-" * 1500 + "y", None, "nested too deep"),
-        ("abs(sin(" * DEEPEST + "y" + "))" * DEEPEST, None, "nested too deep"),
+        ("abs(sin(" * MOST_LEVELS + "y" + "))" * MOST_LEVELS, None, "nested too deep"),
         ("__import__('os').system('echo')", 1, "not of the grammar"),
         ("y.__class__", 1, "not of the grammar"),
         ("(lambda: y)()", 1, "not of the grammar"),
@@ -227,11 +227,11 @@ def test_the_longest_texts_are_read_in_a_moment():
     """The worst of what the limits allow: many branches, and many extremes, inside one another."""
     extremes = " + ".join(f"max(y - {number}, v, p_1)" for number in range(80))
     chosen = "y"
-    for number in range(DEEPEST - 2):
+    for number in range(MOST_LEVELS - 2):
         chosen = f"where(y>{number},{chosen},v)"
     wide = " + ".join(f"where(abs(y+{number})>v, abs(log(v)), p_1)" for number in range(30))
     for text in (extremes, chosen, wide, "max(" * 90 + "y" + ", v)" * 90, "*".join(["(y + v)"] * 99)):
-        assert len(text) <= LONGEST
+        assert len(text) <= MOST_CHARACTERS
         begin = time.process_time()
         parse_expression(text, NAMES, "force")
         assert time.process_time() - begin < 5

@@ -33,13 +33,13 @@ from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.on_pipe.measurement import read_measurement
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.said import LONGEST
+from pipeclamp_models.base.said import LONGEST_LINE
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import law_text, read_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_system.description.system import read_system
-from pipeclamp_system.fmus.variables import read_description
+from pipeclamp_system.fmus.variables import read_model_description
 from pipeclamp_system.study.description import read_study
 
 EACH = int(os.environ.get("PIPECLAMP_HOSTILE", "12"))
@@ -110,7 +110,7 @@ READERS = {
     "study": Reader("study.toml", lambda folder: read_study(folder / "study.toml")),
     "declaration": Reader("effect.toml", lambda folder: read_declaration(folder / "effect.toml")),
     "set-parameters": Reader("clamp.fmu", parameters_set),
-    "FMU": Reader("clamp.fmu", lambda folder: read_description(folder / "clamp.fmu")),
+    "FMU": Reader("clamp.fmu", lambda folder: read_model_description(folder / "clamp.fmu")),
     "description": Reader("modelDescription.xml", parameters_set),
     "measurement": Reader("measurement.toml", lambda folder: read_measurement(folder / "measurement.toml")),
     "response": Reader("response.csv", lambda folder: read_measurement(folder / "measurement.toml")),
@@ -233,8 +233,8 @@ def test_a_hostile_file_is_taken_or_told_in_a_line(name, files, tmp_path):
                 reader.read(folder)
         except UserError as error:
             first, *further = str(error).split("\n")
-            assert 0 < len(first) <= LONGEST, first
-            assert all(line.startswith("  ") and len(line) <= LONGEST for line in further)
+            assert 0 < len(first) <= LONGEST_LINE, first
+            assert all(line.startswith("  ") and len(line) <= LONGEST_LINE for line in further)
             assert all(line.isprintable() or "\u00a0" in line for line in (first, *further)), str(error)
 
     read_it()

@@ -10,7 +10,7 @@ from judge import RIG_LIMITS, heldout_over_floor
 
 from beyond.form import RIGHT_FORM, difference
 from beyond.registry import LAWS
-from pipeclamp_identification.discovery.proposal import Proposal
+from pipeclamp_identification.discovery.proposal import TermProposal
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.discover import discover
@@ -129,7 +129,7 @@ def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutco
     )  # fmt: skip
 
 
-def _asked(file: LawFile, tests: RecordTests) -> tuple[Proposal, Answered]:
+def _asked(file: LawFile, tests: RecordTests) -> tuple[TermProposal, Answered]:
     """Ask for a term that a law lacks, as `pipeclamp discover --auto` does."""
     begin = time.perf_counter()
     proposal = discover(file, tests, command=COMMAND)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pipeclamp_fmu.contents.credibility import EVIDENCE, credibility, verdict_of
 from pipeclamp_fmu.contents.parameter_sets import ParameterSets, parameter_sets
 from pipeclamp_fmu.contents.reference import Related
-from pipeclamp_fmu.describe.documentation import Section
+from pipeclamp_fmu.describe.documentation import DocumentedSection
 from pipeclamp_fmu.describe.ssv import MEDIA_TYPE, parameter_set
 from pipeclamp_fmu.slaves.clamp import LAW
 from pipeclamp_models.law.file import LawFile
@@ -55,7 +55,7 @@ def related(behind: Behind) -> list[Related]:
     return [*files, Related(RECORD, "application/json", "meta-data", meaning, behind.record)]
 
 
-def behind_section(behind: Behind) -> Section:
+def behind_section(behind: Behind) -> DocumentedSection:
     """Give the section of the FMU's page."""
     nominal = behind.sets.sets[0]
     rows = [
@@ -67,7 +67,7 @@ def behind_section(behind: Behind) -> Section:
         )
         for entry in behind.sets.sets
     ]
-    return Section(
+    return DocumentedSection(
         "How sure it is",
         (
             f"Coefficients: {behind.origins}. Last diagnosis: {behind.verdict}.",

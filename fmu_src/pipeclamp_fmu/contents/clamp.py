@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from pipeclamp_fmu.contents.behind import behind_section, related
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
-from pipeclamp_fmu.contents.clamp_model import TEMPERATURES, ClampModel, FurtherCondition, middle
+from pipeclamp_fmu.contents.clamp_model import TEMPERATURE_BOUNDS, ClampModel, FurtherCondition, middle
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.continuous_memory import parts_of_step
 from pipeclamp_fmu.contents.passivity import Interval
 from pipeclamp_fmu.contents.reference import Reference, reference_files
-from pipeclamp_fmu.contents.steady_loop import SAMPLES, steady_loop
-from pipeclamp_fmu.describe.documentation import Section, page, variables_section
+from pipeclamp_fmu.contents.steady_loop import SAMPLES_PER_CYCLE, steady_loop
+from pipeclamp_fmu.describe.documentation import DocumentedSection, page, variables_section
 from pipeclamp_fmu.describe.history import history_section
 from pipeclamp_fmu.describe.icon import loop_icon
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
@@ -24,7 +24,7 @@ from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
 from pipeclamp_fmu.slaves.values_file import values_text
 from pipeclamp_models.steps import tracker
 
-MARGIN = 10.0
+RANGE_MARGIN = 10.0
 """min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
 
 STEPS_PER_CYCLE = 200
@@ -57,19 +57,19 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     start = tuple(value for _, value in law.states)
     middles = tuple(entry.scale * entry.start for entry in model.further)
     force = usual(law.step(law.coefficients(A, f, T, *middles), start, 0.0, A, 0.0, 1 / (4 * f))[0])
-    farthest = MARGIN * model.range_A[1] / 1000
-    fastest = 2 * math.pi * MARGIN * model.range_f[1] * farthest
+    farthest = RANGE_MARGIN * model.range_A[1] / 1000
+    fastest = 2 * math.pi * RANGE_MARGIN * model.range_f[1] * farthest
     s = usual(A / 1000)
     v = usual(2 * math.pi * f * A / 1000)
 
     def amplitude(text: str) -> Quantity:
-        return Quantity(text, "m", "mm", model.range_A[0] / 1000 / MARGIN, farthest, s)
+        return Quantity(text, "m", "mm", model.range_A[0] / 1000 / RANGE_MARGIN, farthest, s)
 
     def frequency(text: str) -> Quantity:
-        return Quantity(text, "Hz", "", model.range_f[0] / MARGIN, MARGIN * model.range_f[1], usual(f))
+        return Quantity(text, "Hz", "", model.range_f[0] / RANGE_MARGIN, RANGE_MARGIN * model.range_f[1], usual(f))
 
     def temperature(text: str) -> Quantity:
-        return Quantity(text, "K", "degC", *TEMPERATURES, usual(T))
+        return Quantity(text, "K", "degC", *TEMPERATURE_BOUNDS, usual(T))
 
     def in_range(interval: Interval, unit: str) -> str:
         return f"(law's range {interval[0]:g} to {interval[1]:g} {unit})"
@@ -109,8 +109,8 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
 def _further(entry: FurtherCondition) -> Quantity:
     """Give what an importer should know of a further condition."""
     low, high = (end / entry.scale for end in entry.interval)
-    room = (MARGIN - 1) * max(abs(low), abs(high), high - low)
-    lowest = low / MARGIN if entry.positive else 0.0 if entry.counted else low - room
+    room = (RANGE_MARGIN - 1) * max(abs(low), abs(high), high - low)
+    lowest = low / RANGE_MARGIN if entry.positive else 0.0 if entry.counted else low - room
     text = f"{entry.meaning} (law's range {entry.interval[0]:g} to {entry.interval[1]:g} {entry.law_unit})"
     return Quantity(
         text.replace(" )", ")"), entry.unit, entry.display_unit, lowest, high + room, usual(entry.start or high)
@@ -181,7 +181,7 @@ def clamp_extras(model: ClampModel, variables: Variables, model_exchange: bool) 
         results={"flange.f": loop.force, "energyDissipated": loop.dissipated},
         at_once=True,
     )
-    icon = loop_icon(loop.s[-SAMPLES:], loop.force[-SAMPLES:])
+    icon = loop_icon(loop.s[-SAMPLES_PER_CYCLE:], loop.force[-SAMPLES_PER_CYCLE:])
     return icon, reference_files(reference, model_exchange, related(model.behind) if model.behind else ())
 
 
@@ -218,17 +218,19 @@ def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], us
     return page(text.title, (text.description + ".", *model.notes), _sections(model, described, use))
 
 
-def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:
+def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[DocumentedSection]:
     return [
-        Section(
+        DocumentedSection(
             "Equations",
             ("y in mm, v in mm/s, force F in N; A, f, T are amplitude (mm), frequency (Hz), temperature (K).",),
             model.equations,
         ),
         *([history_section(model.history, model.fit)] if model.history or model.fit else ()),
         *((behind_section(model.behind),) if model.behind else ()),
-        Section("Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters),
-        Section(
+        DocumentedSection(
+            "Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters
+        ),
+        DocumentedSection(
             "Range",
             (
                 "Where the law's data lie. Outside, the clamp warns once and inRange is false; so it is for "
@@ -243,7 +245,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             ],
         ),
         variables_section(described),
-        Section(
+        DocumentedSection(
             "Use",
             (
                 *use,

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from pipeclamp_fmu.contents.behind import Behind
 from pipeclamp_fmu.contents.passivity import Interval
-from pipeclamp_fmu.describe.variables import Range
+from pipeclamp_fmu.describe.variables import DataRange
 from pipeclamp_models.equations.symbols import REFERENCES, T_0
 from pipeclamp_models.law.file import FitQuality, HistoryStep
 from pipeclamp_models.realise.scalar_law import ScalarLaw, loaded
 
-TEMPERATURES = (1.0, 2000.0)
+TEMPERATURE_BOUNDS = (1.0, 2000.0)
 """min and max of temperatures, K: above absolute zero, and above what any steel stands."""
 
 
@@ -56,7 +56,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Start:
+class ClampStart:
     """What a clamp FMU is told of its use when it is built; None for the middle of the law's range.
 
     Attributes:
@@ -78,7 +78,7 @@ class Start:
     memory_as_states: bool = False
 
 
-USUAL = Start()
+USUAL = ClampStart()
 """Of a clamp that is told nothing."""
 
 
@@ -114,23 +114,23 @@ class ClampModel:
     further: tuple[FurtherCondition, ...] = ()
     history: Sequence[HistoryStep] = ()
     fit: FitQuality | None = None
-    told: Start = USUAL
+    told: ClampStart = USUAL
     behind: Behind | None = None
 
     @property
-    def ranges(self) -> tuple[Range, ...]:
+    def ranges(self) -> tuple[DataRange, ...]:
         """The ranges of all conditions, in the law's units."""
         return (
-            Range(*self.range_A, "mm"),
-            Range(*self.range_f, "Hz"),
-            Range(*self.temperatures, "K"),
-            *(Range(*entry.interval, entry.law_unit) for entry in self.further),
+            DataRange(*self.range_A, "mm"),
+            DataRange(*self.range_f, "Hz"),
+            DataRange(*self.temperatures, "K"),
+            *(DataRange(*entry.interval, entry.law_unit) for entry in self.further),
         )
 
     @property
     def temperatures(self) -> Interval:
         """The temperatures at which the law may be used, K: all, where it was identified without any."""
-        return self.range_T or TEMPERATURES
+        return self.range_T or TEMPERATURE_BOUNDS
 
     @property
     def temperature(self) -> float:

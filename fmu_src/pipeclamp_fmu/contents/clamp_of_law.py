@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, Entry, FurtherCondition, Start
+from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, ClampStart, Entry, FurtherCondition
 from pipeclamp_fmu.slaves.clamp import MM, within
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION
@@ -17,7 +17,7 @@ from pipeclamp_models.realise.stepping import (
     parameter_symbols,
 )
 
-CYCLES = "firstCycle"
+FIRST_CYCLE = "firstCycle"
 """The clamp FMU's parameter for load cycles that it has seen."""
 
 G_CM3 = 1e-3
@@ -29,7 +29,7 @@ SMOOTHING = {
 }
 
 
-def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
+def clamp_model(file: LawFile, told: ClampStart = USUAL) -> ClampModel:
     """Give a law as the clamp FMU needs it.
 
     Args:
@@ -80,11 +80,11 @@ def condition_parameter(column: str, value: float) -> tuple[str, float]:
 
 def _parameter_name(column: str) -> str:
     """Give the name of the clamp FMU's parameter for a column of runs.csv."""
-    own = {"density_g_cm3": str(symbols.rho), "first_cycle": CYCLES}
+    own = {"density_g_cm3": str(symbols.rho), "first_cycle": FIRST_CYCLE}
     return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(CONDITION)}")
 
 
-def _require_in_range(file: LawFile, told: Start) -> None:
+def _require_in_range(file: LawFile, told: ClampStart) -> None:
     """Refuse start values that the law's data don't hold.
 
     Raises:
@@ -117,7 +117,7 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
     interval = _ends(file.range[key])
     if name == str(symbols.N):
         return FurtherCondition(
-            name=CYCLES,
+            name=FIRST_CYCLE,
             meaning="load cycles that the clamp has seen before the start",
             unit="1",
             display_unit="",

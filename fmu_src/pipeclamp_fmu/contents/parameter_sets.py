@@ -23,10 +23,10 @@ from pipeclamp_models.realise.scalar_law import loaded
 END = 1.96
 """Standard deviations from the middle to the end of a band that holds 95 %."""
 
-SHORT = 0.1
+DIFFERENCE_DEVIATIONS = 0.1
 """Of a standard deviation: the difference that a gradient is taken over."""
 
-SAMPLES = 200
+SAMPLES_PER_CYCLE = 200
 """Per cycle."""
 
 LOSS, STIFFNESS = "dissipated energy", "stiffness"
@@ -76,12 +76,18 @@ def parameter_sets(file: LawFile, source: str, values: Mapping[str, float], wher
         where: A (mm), f (Hz), T (K) and further conditions of the loop that is looked at.
     """
     unknown, cautions = _unknown(file, values)
-    measured = {name: _logarithms(source, unknown.at(values, name, SHORT), where) for name in unknown.names}
-    opposite = {name: _logarithms(source, unknown.at(values, name, -SHORT), where) for name in unknown.names}
+    measured = {
+        name: _logarithms(source, unknown.at(values, name, DIFFERENCE_DEVIATIONS), where) for name in unknown.names
+    }
+    opposite = {
+        name: _logarithms(source, unknown.at(values, name, -DIFFERENCE_DEVIATIONS), where) for name in unknown.names
+    }
     sets = [_made("nominal", "the law as it was identified", source, values, where)]
     for name, quantity, side, meaning in ENDS:
         row = (LOSS, STIFFNESS).index(quantity)
-        gradient = np.array([(measured[n][row] - opposite[n][row]) / (2 * SHORT) for n in unknown.names])
+        gradient = np.array(
+            [(measured[n][row] - opposite[n][row]) / (2 * DIFFERENCE_DEVIATIONS) for n in unknown.names]
+        )
         if not np.all(np.isfinite(gradient)) or not gradient.any():
             continue
         moved = unknown.covariance @ gradient
@@ -202,13 +208,13 @@ def _loop(source: str, values: Mapping[str, float], where: Sequence[float]) -> t
         k = law.coefficients(*where)
         states: Sequence[float] = [start for _, start in law.states]
         loss = in_phase = before = force_before = 0.0
-        for n in range(1, 2 * SAMPLES + 1):
-            theta = 2 * math.pi * n / SAMPLES
+        for n in range(1, 2 * SAMPLES_PER_CYCLE + 1):
+            theta = 2 * math.pi * n / SAMPLES_PER_CYCLE
             y, v = A * math.sin(theta), 2 * math.pi * f * A * math.cos(theta)
-            force, _, states = law.step(k, states, before, y, v, 1 / (f * SAMPLES))
-            if n > SAMPLES:
+            force, _, states = law.step(k, states, before, y, v, 1 / (f * SAMPLES_PER_CYCLE))
+            if n > SAMPLES_PER_CYCLE:
                 loss += (force + force_before) / 2 * (y - before)
-                in_phase += 2 / SAMPLES * force * math.sin(theta)
+                in_phase += 2 / SAMPLES_PER_CYCLE * force * math.sin(theta)
             before, force_before = y, force
     except (ArithmeticError, ValueError):
         return math.nan, math.nan

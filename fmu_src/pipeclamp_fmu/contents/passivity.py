@@ -17,7 +17,7 @@ from pipeclamp_models.realise.scalar_law import ScalarLaw
 
 Interval = tuple[float, float]
 
-POINTS = {"A": 4, "f": 3, "T": 5}
+GRID_POINTS = {"A": 4, "f": 3, "T": 5}
 """Points of the grid along each range, both ends included."""
 
 COARSE, FINE = 128, 2048
@@ -26,16 +26,16 @@ COARSE, FINE = 128, 2048
 SOUGHT = 25
 """Generations in which a cycle that feeds energy in is sought."""
 
-CLEAR = 1e-2
+CLEAR_SHARE = 1e-2
 """Dissipation, as a share of the energy moved, that needs no second look; fed in, it needs no worse cycle."""
 
-FINER = 4
+TIMES_FINER = 4
 """Times the fine samples: what a step of force costs the quadrature falls with it, what a law feeds in stays."""
 
-RESOLVED = 1e-5
+RESOLVED_SHARE = 1e-5
 """Share of the energy moved below which the fine quadrature can't tell dissipation from none: kinks cost it 1e-6."""
 
-ROUNDING = 1e-25
+ROUNDING_ENERGY = 1e-25
 """N mm: what 1e6 N/mm take up over the rounding of a millimetre. Less moves where a clearance is just touched."""
 
 
@@ -91,11 +91,11 @@ class SawTooth:
         return self.offset + self.size * (2 * done - 1), self.size * speed / math.pi
 
 
-Motion = Cycle | SawTooth
+ClosedMotion = Cycle | SawTooth
 """A closed motion over which a law is accounted for."""
 
 
-CYCLES = (
+CYCLES_ACCOUNTED = (
     Cycle("a sinusoid", ((1, 1.0, 0.0),)),
     Cycle("a tenth of a sinusoid", ((1, 0.1, 0.0),)),
     Cycle("a small sinusoid on a large offset", ((1, 0.1, 0.0),), 0.9),
@@ -114,10 +114,10 @@ class Balance:
     @property
     def share(self) -> float:
         """Dissipated over moved energy."""
-        return self.dissipated / self.moved if self.moved > ROUNDING else 0.0
+        return self.dissipated / self.moved if self.moved > ROUNDING_ENERGY else 0.0
 
 
-def balance(law: ScalarLaw, cycle: Motion, where: Sequence[float], samples: int) -> Balance:
+def balance(law: ScalarLaw, cycle: ClosedMotion, where: Sequence[float], samples: int) -> Balance:
     """Run a cycle twice, so that memory has settled, and account for the second time round.
 
     What a law without memory does at rest depends on the displacement alone, so that it gives back what it took: only
@@ -166,9 +166,9 @@ def conditions(
 ) -> Iterator[tuple[float, ...]]:
     """Give the grid of A (mm), f (Hz), T (K) and the ends of further conditions on which cycles are tried."""
     return itertools.product(
-        _points(range_A, POINTS["A"]),
-        _points(range_f, POINTS["f"]),
-        _points(range_T, POINTS["T"]),
+        _points(range_A, GRID_POINTS["A"]),
+        _points(range_f, GRID_POINTS["f"]),
+        _points(range_T, GRID_POINTS["T"]),
         *(_points(interval, 2) for interval in further),
     )
 
@@ -180,7 +180,7 @@ def require_dissipation(
     range_f: Interval,
     range_T: Interval,
     *further: Interval,
-    begin: Sequence[tuple[Motion, tuple[float, ...]]] = (),
+    begin: Sequence[tuple[ClosedMotion, tuple[float, ...]]] = (),
     proved: bool = False,
 ) -> None:
     """Refuse a law that gives energy over some closed cycle in its range.
@@ -198,19 +198,19 @@ def require_dissipation(
     Raises:
         UserError: a cycle dissipates less than nothing, or the law has no finite value on it.
     """
-    worst: tuple[float, Motion, tuple[float, ...], Balance] | None = None
-    grid = itertools.product(CYCLES, conditions(range_A, range_f, range_T, *further))
+    worst: tuple[float, ClosedMotion, tuple[float, ...], Balance] | None = None
+    grid = itertools.product(CYCLES_ACCOUNTED, conditions(range_A, range_f, range_T, *further))
     for cycle, where in itertools.chain(begin, grid):
         result = _accounted(name, law, cycle, where)
         if worst is None or result.share < worst[0]:
             worst = (result.share, cycle, where, result)
-        if result.share < -CLEAR:
+        if result.share < -CLEAR_SHARE:
             break
-    if worst is not None and worst[0] >= -RESOLVED and not proved:
+    if worst is not None and worst[0] >= -RESOLVED_SHARE and not proved:
         for cycle, where in _sought(law, (range_A, range_f, range_T, *further)):
             result = _accounted(name, law, cycle, where)
             worst = min(worst, (result.share, cycle, where, result), key=lambda found: found[0])
-    if worst is not None and worst[0] < -RESOLVED:
+    if worst is not None and worst[0] < -RESOLVED_SHARE:
         _, cycle, where, result = worst
         raise UserError(
             f"law {name!r} would create energy: {_at(cycle, where)} gives {-1e-3 * result.dissipated:.3g} J per cycle "
@@ -219,7 +219,7 @@ def require_dissipation(
         )
 
 
-def _accounted(name: str, law: ScalarLaw, cycle: Motion, where: tuple[float, ...]) -> Balance:
+def _accounted(name: str, law: ScalarLaw, cycle: ClosedMotion, where: tuple[float, ...]) -> Balance:
     """Account for a cycle, finely where it doesn't dissipate clearly.
 
     Raises:
@@ -227,10 +227,10 @@ def _accounted(name: str, law: ScalarLaw, cycle: Motion, where: tuple[float, ...
     """
     try:
         result = balance(law, cycle, where, COARSE)
-        if result.share < CLEAR:
+        if result.share < CLEAR_SHARE:
             result = balance(law, cycle, where, FINE)
-        if result.share < -RESOLVED and law.states:
-            finer = balance(law, cycle, where, FINER * FINE)
+        if result.share < -RESOLVED_SHARE and law.states:
+            finer = balance(law, cycle, where, TIMES_FINER * FINE)
             shrunk = abs(finer.share) < abs(result.share) / 2
             result = Balance(0.0, finer.moved) if shrunk else finer
     except (ArithmeticError, ValueError, TypeError) as error:
@@ -240,14 +240,14 @@ def _accounted(name: str, law: ScalarLaw, cycle: Motion, where: tuple[float, ...
     return result
 
 
-def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> Iterator[tuple[Motion, tuple[float, ...]]]:
+def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> Iterator[tuple[ClosedMotion, tuple[float, ...]]]:
     """Seek the cycle and the conditions with the least dissipation, of each kind of cycle."""
 
-    def of_sines(size: float, shift: float, third: float, phase: float) -> Motion:
+    def of_sines(size: float, shift: float, third: float, phase: float) -> ClosedMotion:
         harmonics = ((1, size * (1 - third), 0.0), (3, size * third, phase))
         return Cycle("a motion", harmonics, shift * (1 - size))
 
-    def saw_tooth(size: float, shift: float, quick: float) -> Motion:
+    def saw_tooth(size: float, shift: float, quick: float) -> ClosedMotion:
         return SawTooth(size, shift * (1 - abs(size)), round(quick) / 64)
 
     yield _least(law, of_sines, [(0.02, 1.0), (-1.0, 1.0), (0.0, 0.6), (0.0, math.pi)], ranges)
@@ -256,8 +256,8 @@ def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> Iterator[tuple[Motion
 
 
 def _least(
-    law: ScalarLaw, motion_of: Callable[..., Motion], shape: Sequence[Interval], ranges: Sequence[Interval]
-) -> tuple[Motion, tuple[float, ...]]:
+    law: ScalarLaw, motion_of: Callable[..., ClosedMotion], shape: Sequence[Interval], ranges: Sequence[Interval]
+) -> tuple[ClosedMotion, tuple[float, ...]]:
     """Seek by differential evolution.
 
     Args:
@@ -268,7 +268,7 @@ def _least(
     # needed for laws alone of which nothing is proved
     from scipy.optimize import differential_evolution
 
-    def met(place: Sequence[float]) -> tuple[Motion, tuple[float, ...]]:
+    def met(place: Sequence[float]) -> tuple[ClosedMotion, tuple[float, ...]]:
         return motion_of(*place[: len(shape)]), tuple(place[len(shape) :])
 
     def share(place: Sequence[float]) -> float:
@@ -287,7 +287,7 @@ def _least(
 REMEDY = "Identify the law again with other effects or bounds, or give it a narrower range"
 
 
-def _at(cycle: Motion, where: tuple[float, ...]) -> str:
+def _at(cycle: ClosedMotion, where: tuple[float, ...]) -> str:
     A, f, T, *further = where
     more = f", further conditions {', '.join(f'{value:g}' for value in further)}" if further else ""
     return f"{cycle.name} within A = {A:g} mm at f = {f:g} Hz, T = {T:g} K{more}"

@@ -20,11 +20,11 @@ from itertools import count
 import sympy as sp
 
 from pipeclamp_fmu.contents.intervals import bounds
-from pipeclamp_fmu.contents.passivity import CYCLES, Cycle, Interval
+from pipeclamp_fmu.contents.passivity import CYCLES_ACCOUNTED, Cycle, Interval
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.realise.stepping import Stepping, conditions_of, parameter_symbols
 
-FASTEST = 2.0
+FASTEST_LOOKED_AT = 2.0
 """Largest velocity that is looked at, of that of a sinusoid of the largest amplitude at the highest frequency."""
 
 MOST_BOXES = 3000
@@ -82,7 +82,7 @@ def prove(law: Stepping, values: Sequence[float], ranges: Sequence[Interval]) ->
     against = [(term - term.subs(symbols.v, 0)).xreplace(given) for term in terms]
     names = [*conditions_of(law.equations), "y", "v"]
     (_, A), (_, f) = ranges[0], ranges[1]
-    fastest = FASTEST * 2 * math.pi * f * A
+    fastest = FASTEST_LOOKED_AT * 2 * math.pi * f * A
     by_name = {str(symbol): symbol for expression in (*against, *slow.values()) for symbol in expression.free_symbols}
     matters = [name == "v" or name in by_name for name in names]
     by_name |= {"y": symbols.y, "v": symbols.v}
@@ -109,7 +109,7 @@ def cycles_through(proof: Proof) -> list[tuple[Cycle, tuple[float, ...]]]:
     middle = max(-(1 - size), min(1 - size, y / A))
     shapes = (((1, size, 0.0),), ((1, 0.6 * size, 0.0), (3, 0.4 * size, 1.0)))
     through = [Cycle("a motion", shape, middle) for shape in shapes]
-    return [(cycle, tuple(where)) for cycle in (*CYCLES, *through)]
+    return [(cycle, tuple(where)) for cycle in (*CYCLES_ACCOUNTED, *through)]
 
 
 def _searched(

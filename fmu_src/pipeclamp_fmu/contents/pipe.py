@@ -10,7 +10,7 @@ from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.pipe_dependencies import pipe_dependencies
 from pipeclamp_fmu.contents.pipe_reference import pipe_reference
 from pipeclamp_fmu.contents.reference import reference_files
-from pipeclamp_fmu.describe.documentation import Section, page, variables_section
+from pipeclamp_fmu.describe.documentation import DocumentedSection, page, variables_section
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
 from pipeclamp_fmu.slaves import pipe as pipe_slave
 from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
@@ -19,7 +19,7 @@ from pipeclamp_models.pipe.modes import ReducedPipe
 STEPS_PER_CYCLE = 20
 """Of the default experiment, at the highest frequency that the pipe keeps."""
 
-FARTHEST = 1.0
+FARTHEST_M = 1.0
 """min and max of displacements, m: beyond, a value is a mistake of units."""
 
 
@@ -69,22 +69,22 @@ def quantities(pipe: ReducedPipe) -> Mapping[str, Quantity]:
     relative = ", relative to the base" if pipe.excitation == "base" else ""
 
     def displacement(text: str) -> Quantity:
-        return Quantity(f"displacement{text}{relative}", "m", "mm", -FARTHEST, FARTHEST, s)
+        return Quantity(f"displacement{text}{relative}", "m", "mm", -FARTHEST_M, FARTHEST_M, s)
 
     def velocity(text: str) -> Quantity:
-        limit = FARTHEST * highest
+        limit = FARTHEST_M * highest
         return Quantity(f"velocity{text}{relative}", "m/s", "mm/s", -limit, limit, usual(lowest * s))
 
     def acceleration(text: str) -> Quantity:
-        limit = FARTHEST * highest**2
+        limit = FARTHEST_M * highest**2
         return Quantity(text, "m/s2", "", -limit, limit, usual(lowest**2 * s))
 
     def force(text: str) -> Quantity:
-        limit = FARTHEST * pipe.mass * highest**2
+        limit = FARTHEST_M * pipe.mass * highest**2
         return Quantity(text, "N", "", -limit, limit, usual(pipe.mass * lowest**2 * s))
 
     def energy(text: str) -> Quantity:
-        limit = pipe.mass * (FARTHEST * highest) ** 2
+        limit = pipe.mass * (FARTHEST_M * highest) ** 2
         return Quantity(text, "J", "", -limit, limit, usual(pipe.mass * (lowest * s) ** 2))
 
     described: dict[str, Quantity] = {
@@ -144,10 +144,10 @@ def pipe_documentation(pipe: ReducedPipe, described: Mapping[str, Quantity], nee
     return page(text.title, introduction, _sections(pipe, described, needs))
 
 
-def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> Sequence[Section]:
+def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> Sequence[DocumentedSection]:
     modes = enumerate(zip(pipe.omega, pipe.zeta, strict=True), start=1)
     return [
-        Section(
+        DocumentedSection(
             "Equations",
             (
                 "Per mode, with u the base's acceleration or the exciting force and f the force into each clamp. "
@@ -159,7 +159,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
             ),
         ),
         *([_coupling_section(pipe)] if pipe.coupling_stiffness else []),
-        Section(
+        DocumentedSection(
             "Modes",
             ("Those after the kept ones stand for the static flexibility of the modes left out.",),
             (),
@@ -170,7 +170,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
             ],
         ),
         variables_section(described),
-        Section(
+        DocumentedSection(
             "Use",
             (
                 "The pipe starts at rest. Without inputsAtStepEnd inputs are held over the step, as masters that step "
@@ -183,8 +183,8 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
     ]
 
 
-def _coupling_section(pipe: ReducedPipe) -> Section:
-    return Section(
+def _coupling_section(pipe: ReducedPipe) -> DocumentedSection:
+    return DocumentedSection(
         "Axial force and flow",
         (
             "They couple the modes of the pipe at rest: full matrices K and C are added to omega^2 and 2 zeta omega, "

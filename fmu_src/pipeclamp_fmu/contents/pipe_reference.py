@@ -14,7 +14,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.modes import ReducedPipe
 
-STEPS = 400
+REFERENCE_STEPS = 400
 WAVES = 1.7
 """Of the first input, in all steps; each further input has a third of one more."""
 
@@ -34,7 +34,7 @@ def pipe_reference(
     """
     waves = WAVES + np.arange(len(inputs)) / 3
     sizes = np.array([described[name].nominal or 1.0 for name in inputs])
-    loads = sizes * np.sin(math.pi * waves * np.arange(STEPS)[:, None] / STEPS) ** 2
+    loads = sizes * np.sin(math.pi * waves * np.arange(REFERENCE_STEPS)[:, None] / REFERENCE_STEPS) ** 2
     motion = _held_steps(pipe, step, loads)
     names, shapes = (*pipe.clamp_names, *pipe.probe_names), (*pipe.clamp_shapes, *pipe.probe_shapes)
     modes = len(pipe.omega)

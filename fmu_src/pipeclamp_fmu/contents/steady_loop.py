@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pipeclamp_fmu.slaves.clamp import ClampSlave
 from pipeclamp_fmu.slaves.loading import instance_of
 
-SAMPLES = 200
+SAMPLES_PER_CYCLE = 200
 """Per cycle."""
 
 THIRD = 0.3
@@ -16,7 +16,7 @@ THIRD = 0.3
 
 
 @dataclass(frozen=True)
-class Loop:
+class ReferenceLoop:
     """Two cycles from rest, after a step at rest, under the clamp's default conditions: motion and answer, SI units.
 
     Attributes:
@@ -33,7 +33,7 @@ class Loop:
     dissipated: tuple[float, ...]
 
 
-def steady_loop(module: str, values: str) -> Loop:
+def steady_loop(module: str, values: str) -> ReferenceLoop:
     """Run a clamp's generated module along two cycles of its default amplitude and frequency.
 
     Args:
@@ -44,14 +44,14 @@ def steady_loop(module: str, values: str) -> Loop:
     slave.exit_initialization_mode()
     places = {variable.name: reference for reference, variable in slave.vars.items()}
     A, f = slave.get_real([places["A"], places["f"]])
-    h, omega = 1 / (f * SAMPLES), 2 * math.pi * f
+    h, omega = 1 / (f * SAMPLES_PER_CYCLE), 2 * math.pi * f
     rows = []
-    for index in range(2 * SAMPLES + 1):
-        theta = 2 * math.pi * index / SAMPLES
+    for index in range(2 * SAMPLES_PER_CYCLE + 1):
+        theta = 2 * math.pi * index / SAMPLES_PER_CYCLE
         s = A / (1 + THIRD) * (math.sin(theta) + THIRD * math.sin(3 * theta))
         v = A / (1 + THIRD) * omega * (math.cos(theta) + 3 * THIRD * math.cos(3 * theta)) * (index > 0)
         slave.set_real([places["flange.s"], places["flange.v"]], [s, v])
         slave.do_step(index * h, h)
         rows.append((s, v, *slave.get_real([places["flange.f"], places["energyDissipated"]])))
     motion, speed, force, dissipated = zip(*rows, strict=True)
-    return Loop(h, motion, speed, force, dissipated)
+    return ReferenceLoop(h, motion, speed, force, dissipated)

@@ -99,7 +99,7 @@ class Bars:
 
 
 @dataclass(frozen=True)
-class Section:
+class DocumentedSection:
     """A part of the page: text, equations, a table, a waterfall; what is empty is left out."""
 
     heading: str
@@ -110,13 +110,13 @@ class Section:
     bars: Bars | None = None
 
 
-def variables_section(described: Mapping[str, Quantity]) -> Section:
+def variables_section(described: Mapping[str, Quantity]) -> DocumentedSection:
     """Give the table of an FMU's variables, by name."""
     rows = [(name, entry.unit or "-", entry.description) for name, entry in described.items()]
-    return Section("Variables", (), (), ("name", "unit", "meaning"), rows)
+    return DocumentedSection("Variables", (), (), ("name", "unit", "meaning"), rows)
 
 
-def page(title: str, introduction: Sequence[str], sections: Sequence[Section]) -> str:
+def page(title: str, introduction: Sequence[str], sections: Sequence[DocumentedSection]) -> str:
     """Give the page as HTML, everything in it escaped."""
     template = Environment(autoescape=True, keep_trailing_newline=True).from_string(PAGE)
     return template.render(

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipeclamp_fmu.describe.documentation import Bar, Bars, Section
+from pipeclamp_fmu.describe.documentation import Bar, Bars, DocumentedSection
 from pipeclamp_models.law.file import FitQuality, HistoryStep
 
 HEADING = "How the law came about"
 
 
-def history_section(history: Sequence[HistoryStep], fit: FitQuality | None) -> Section:
+def history_section(history: Sequence[HistoryStep], fit: FitQuality | None) -> DocumentedSection:
     """Give the section: a waterfall of the error, and the fit's quality in words; empty where the law says neither.
 
     The waterfall is of the error on left-out conditions where every step states it, else of that on the runs used.
     """
-    return Section(HEADING, _quality(fit), bars=_waterfall(history, fit.noise_nrmse if fit else None))
+    return DocumentedSection(HEADING, _quality(fit), bars=_waterfall(history, fit.noise_nrmse if fit else None))
 
 
 def _waterfall(history: Sequence[HistoryStep], noise: float | None) -> Bars | None:

@@ -16,6 +16,8 @@ from pipeclamp_fmu.describe import legal
 from pipeclamp_models.base.said import printable
 from pipeclamp_models.base.units import CELSIUS
 
+FILE_NAME = "modelDescription.xml"
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -209,7 +211,7 @@ def xml_bytes(root: Element) -> bytes:
     return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
 
 
-DIGITS = 12
+BOUND_DIGITS = 12
 """Of bounds, which are conversions and products of others: so many that rounding doesn't show."""
 
 
@@ -223,20 +225,20 @@ def number_attributes(quantity: Quantity) -> dict[str, str]:
         "nominal": quantity.nominal,
     }
     return {
-        name: value if isinstance(value, str) else repr(float(f"{value:.{DIGITS}g}"))
+        name: value if isinstance(value, str) else repr(float(f"{value:.{BOUND_DIGITS}g}"))
         for name, value in attributes.items()
         if value is not None
     }
 
 
-TOLERANCE = "1e-6"
+PROPOSED_TOLERANCE = "1e-6"
 """Relative, that importers propose to their integrators."""
 
 
 def default_experiment(text: ModelText) -> Element:
     """Give the experiment that importers propose."""
     times = {"startTime": "0", "stopTime": "1", "stepSize": repr(text.step_size)}
-    return Element("DefaultExperiment", {**times, "tolerance": TOLERANCE})
+    return Element("DefaultExperiment", {**times, "tolerance": PROPOSED_TOLERANCE})
 
 
 def unit_definitions(quantities: Iterable[Quantity]) -> Element:

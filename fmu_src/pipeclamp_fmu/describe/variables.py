@@ -27,7 +27,7 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Range:
+class DataRange:
     """Where a quantity lay in the data, in the law's unit."""
 
     minimum: float
@@ -118,7 +118,7 @@ class Dependencies:
     initially: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
-def numbers_of(variables: Variables, ranges: Sequence[Range]) -> list[tuple[str, float, str]]:
+def numbers_of(variables: Variables, ranges: Sequence[DataRange]) -> list[tuple[str, float, str]]:
     """Give what the file of values says: name, value and unit of each start value and each end of a range."""
     started = (*variables.inputs, *variables.parameters, *variables.fixed, *variables.boolean_parameters)
     numbers = [

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipeclamp_fmu.describe.legal import licence_files
+from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_fmu.describe.model_description import ModelText
 from pipeclamp_fmu.describe.variables import Dependencies, numbers_of
 from pipeclamp_fmu.native.compiler import PLATFORMS, compile_sources, refuse_unknown_platforms
@@ -109,7 +110,7 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         tool=f"pipeclamp {content.text.version}",
     )
     files = {
-        "modelDescription.xml": model_description(description, fmi),
+        MODEL_DESCRIPTION: model_description(description, fmi),
         f"resources/{FILE_NAME}": values_text(token, model.name, numbers).encode("utf-8"),
         "sources/buildDescription.xml": build_description(identifier, fmi),
         "documentation/index.html": content.documentation.encode("utf-8"),

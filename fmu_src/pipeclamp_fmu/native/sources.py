@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 
-from pipeclamp_fmu.describe.variables import Range, Variables
+from pipeclamp_fmu.describe.variables import DataRange, Variables
 from pipeclamp_fmu.slaves.one_module import content_hash
 
 SHARED_SOURCES = (
@@ -37,7 +37,7 @@ class NativeModel:
     sources: tuple[str, ...]
     generated: Mapping[str, str]
     variables: Variables
-    ranges: Sequence[Range]
+    ranges: Sequence[DataRange]
     indicator: str = ""
     steps_matter: bool = True
     exchange_slopes: bool = True

@@ -15,6 +15,7 @@ from pythonfmu import FmuBuilder
 
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.describe.legal import PYTHON_NEEDS, licence_files
+from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_fmu.describe.model_description import completed, xml_bytes
 from pipeclamp_fmu.slaves.loading import instance_of
 from pipeclamp_fmu.slaves.one_module import content_hash
@@ -67,7 +68,7 @@ def python_files(content: Content) -> dict[str, bytes]:
         named,
     )
     files = {
-        "modelDescription.xml": xml_bytes(
+        MODEL_DESCRIPTION: xml_bytes(
             completed(
                 _described(content),
                 token,
@@ -123,7 +124,7 @@ def zipped(files: Mapping[str, bytes]) -> bytes:
     """Give a zip file in a fixed order, without dates."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
+        for name in sorted(files, key=lambda name: (name != MODEL_DESCRIPTION, name)):
             entry = zipfile.ZipInfo(name, NO_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, whatever the platform

@@ -14,7 +14,7 @@ from pipeclamp_system.bands.quantities import KINDS, Unknown
 
 WIDEST = 99.9
 """Per cent that a band holds at most: beyond, what is known of the tails is too little."""
-TOLD = 0.01
+NAMED_SHARE = 0.01
 """Share of a band's variance from which on its origin is named."""
 LEADING = 3
 """Quantities that are named as those which matter most."""
@@ -110,9 +110,9 @@ def origin_words(name: str, band: Band) -> list[str]:
     """Say what a band comes from, and what would narrow it."""
     named = {str(kind): words for kind, words in KINDS.items()}
     shares = sorted(band.shares.items(), key=lambda item: -item[1])
-    parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= TOLD]
+    parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= NAMED_SHARE]
     if not parts:
         return []
-    leading = [one for one, share in band.leading if share >= TOLD]
+    leading = [one for one, share in band.leading if share >= NAMED_SHARE]
     most = f"; most from {', '.join(leading)}" if leading else ""
     return [f"variance of {name}: {', '.join(parts)}{most}; {REMEDIES[shares[0][0]]}"]

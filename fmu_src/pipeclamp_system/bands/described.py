@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pipeclamp_system.bands.quantities import Unknown, unknown
+from pipeclamp_system.bands.quantities import Unknown, unknown_of_clamps
 from pipeclamp_system.bands.varied import VariedLaw, refuse_silent, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.description.system import SystemDescription
@@ -37,4 +37,4 @@ def unknown_of(description: SystemDescription, folder: Path) -> Unknown:
     """
     known = laws_of(description, folder)
     names = [clamp.at for clamp in description.clamps]
-    return unknown([known[str(clamp.law)] for clamp in description.clamps], names, solved=True)
+    return unknown_of_clamps([known[str(clamp.law)] for clamp in description.clamps], names, solved=True)

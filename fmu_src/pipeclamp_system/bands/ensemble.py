@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
@@ -19,25 +20,23 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
-from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown
+from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown_of_clamps
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import SystemDescription, read_system
 
-FEWEST = 32
+FEWEST_MEMBERS = 32
 """Members of an ensemble at least; two for each thing that isn't known."""
 MOST_FAILED = 0.1
 """Share of the members that may fail."""
 BENDS = 0.1
 """Share of a band's variance that its linear part doesn't explain, from which on that is said."""
 
-MM = 1e3
-
 
 @dataclass(frozen=True)
-class Told:
+class BandedValue:
     """What is read off a run at one place, with its band.
 
     Attributes:
@@ -67,7 +66,7 @@ class RunBands:
 
     result: CosimResult
     per_cent: float
-    told: tuple[Told, ...]
+    told: tuple[BandedValue, ...]
     members: int
     failed: int
     gaps: tuple[str, ...]
@@ -116,7 +115,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     places, what = _unknown_of(description, path)
     names = [description.clamps[place].at for place in places]
     roots = what.roots()
-    drawn = even_normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
+    drawn = even_normal(max(FEWEST_MEMBERS, 2 * roots.shape[1]), roots.shape[1])
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
     at = [_conditions(result, places[index]) for index in range(len(places))]
@@ -171,7 +170,7 @@ def _unknown_of(description: SystemDescription, path: Path) -> tuple[list[int], 
     known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
     names = [description.clamps[place].at for place in places]
     refuse_silent(known.values(), str(path))
-    return places, unknown([known[name] for name in sources], names, solved=False)
+    return places, unknown_of_clamps([known[name] for name in sources], names, solved=False)
 
 
 def _run(member: _Member) -> Array | str:
@@ -211,7 +210,7 @@ def _with_bands(
 def _told(
     result: CosimResult, columns: Sequence[str], histories: Array, drawn: Array, roots: Array, what: Unknown,
     steps: float,
-) -> tuple[Told, ...]:  # fmt: skip
+) -> tuple[BandedValue, ...]:  # fmt: skip
     """Give what is read off the run with its bands, by what it follows in proportion."""
     sizes: Mapping[str, float] = {".s": MM, ".f": 1.0}
     design = np.column_stack([np.ones(len(drawn)), drawn])
@@ -230,7 +229,7 @@ def _told(
         band = band_of(value, by_quantity, what, steps, float(np.hypot(solution, np.sqrt(rest))), moved)
         bent = rest / band.deviation**2 if band.deviation > 0 else 0.0
         words, unit = (name, "mm") if kind == ".s" else (f"force of {name}", "N")
-        told.append(Told(words, unit, band, bent))
+        told.append(BandedValue(words, unit, band, bent))
     return tuple(told)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-MOSTLY = 0.5
+REACHING_SHARE = 0.5
 """Share of the draws in which a stretch of a curve reaches a frequency, below which it has no band there."""
-SMALL = 0.1
+MOVED_DEVIATIONS = 0.1
 """Of a standard deviation, by which a curve is moved to see what its marks do."""
 
 
@@ -76,7 +76,7 @@ class Moving:
 
     def _moved(self, sizes: Array) -> Iterator[tuple[Array, Array]]:
         """Give frequencies and amplitudes, (Q, S) each, with each quantity a little larger, and a little smaller."""
-        for step in (SMALL * sizes[:, None], -SMALL * sizes[:, None]):
+        for step in (MOVED_DEVIATIONS * sizes[:, None], -MOVED_DEVIATIONS * sizes[:, None]):
             yield self.frequency + step * self.by_frequency, self.amplitude + step * self.by_amplitude
 
     def band(self, draws: Array, per_cent: float) -> tuple[Array, Array]:
@@ -103,7 +103,7 @@ class Moving:
                 upwards = self.frequency[end] == here.max()
                 past = here > frequency[:, [end]] if upwards else here < frequency[:, [end]]
                 found[past] = np.nan
-            there = np.mean(np.isfinite(found), axis=0) >= MOSTLY
+            there = np.mean(np.isfinite(found), axis=0) >= REACHING_SHARE
             if there.any():
                 ends = np.nanpercentile(found[:, there], [50 - per_cent / 2, 50 + per_cent / 2], axis=0)
                 low[own][there], high[own][there] = ends
@@ -118,7 +118,7 @@ def _rising(frequency: Array, amplitude: Array) -> tuple[Array, Array]:
 
 def _differences(sides: list[list[Array]], sizes: Array) -> tuple[Array, ...]:
     above, below = sides
-    steps = 2 * SMALL * np.where(sizes > 0, sizes, 1.0)
+    steps = 2 * MOVED_DEVIATIONS * np.where(sizes > 0, sizes, 1.0)
     return tuple((one - other) / steps for one, other in zip(above, below, strict=True))
 
 

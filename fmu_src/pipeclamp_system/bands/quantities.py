@@ -12,10 +12,10 @@ from scipy.special import ndtri
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.file import Shares
-from pipeclamp_system.bands.varied import SHARES, VariedLaw
+from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 
-Kind = Literal["parameters", "runs", "form", "solution"]
-KINDS: Mapping[Kind, str] = {
+UnknownKind = Literal["parameters", "runs", "form", "solution"]
+KINDS: Mapping[UnknownKind, str] = {
     "parameters": "the law's parameters",
     "runs": "scatter from run to run",
     "form": "what the law leaves over on left-out tests",
@@ -29,7 +29,7 @@ SEED = 1
 
 
 @dataclass(frozen=True)
-class Quantity:
+class UnknownQuantity:
     """One thing that isn't known.
 
     Attributes:
@@ -40,7 +40,7 @@ class Quantity:
         lean: whether it is what tests near there show of the law's form: known, and no part of what isn't.
     """
 
-    kind: Kind
+    kind: UnknownKind
     name: str
     parameter: str
     clamps: tuple[int, ...]
@@ -58,7 +58,7 @@ class Unknown:
     """
 
     laws: Sequence[VariedLaw]
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[UnknownQuantity, ...]
     covariance: Array
 
     def roots(self) -> Array:
@@ -71,7 +71,7 @@ class Unknown:
 
     def by_clamp(self) -> Unknown:
         """Give the same, what a law's form may be off at each clamp by itself: wholly correlated, as it is one law."""
-        told: list[tuple[int, Quantity]] = []
+        told: list[tuple[int, UnknownQuantity]] = []
         for place, one in enumerate(self.quantities):
             apart = [replace(one, clamps=(clamp,)) for clamp in one.clamps] if one.kind == "form" else [one]
             told += [(place, each) for each in apart]
@@ -88,7 +88,7 @@ class Unknown:
         """By how much each is moved to see what follows it, shape (Q,): its standard deviation, or what it is."""
         return np.asarray(np.sqrt(np.diag(self.covariance)) + self.means)
 
-    def of_kind(self, kind: Kind) -> Array:
+    def of_kind(self, kind: UnknownKind) -> Array:
         """Tell which quantities are of a kind, shape (Q,)."""
         return np.array([quantity.kind == kind for quantity in self.quantities])
 
@@ -104,7 +104,10 @@ class Unknown:
             truncated: share of the motion in harmonics that the solver leaves out: the force may be off by as much.
         """
         law = self.laws[clamp]
-        form, lean = law.form(beyond, at), law.lean(at) if at is not None else dict.fromkeys(SHARES.values(), 0.0)
+        form, lean = (
+            law.form(beyond, at),
+            law.lean(at) if at is not None else dict.fromkeys(SHARE_OF_PARAMETER.values(), 0.0),
+        )
         shares = {
             "form": form,
             "runs": law.file.spread.runs if law.file.spread else form,
@@ -117,9 +120,9 @@ class Unknown:
             if quantity.kind == "parameters":
                 sizes[place] = 1.0
             elif quantity.lean:
-                sizes[place] = lean[SHARES[quantity.parameter]]
+                sizes[place] = lean[SHARE_OF_PARAMETER[quantity.parameter]]
             else:
-                sizes[place] = getattr(shares[quantity.kind], SHARES[quantity.parameter])
+                sizes[place] = getattr(shares[quantity.kind], SHARE_OF_PARAMETER[quantity.parameter])
         return sizes
 
     def changes(
@@ -132,7 +135,7 @@ class Unknown:
         return made
 
 
-def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -> Unknown:
+def unknown_of_clamps(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -> Unknown:
     """Give what isn't known of clamps.
 
     What a law's tests tell is one truth for all clamps that have it; each clamp is mounted by itself.
@@ -142,26 +145,29 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -
         clamps: their names.
         solved: whether a solver leaves harmonics out.
     """
-    quantities: list[Quantity] = []
+    quantities: list[UnknownQuantity] = []
     blocks: list[Array] = []
     for law in dict.fromkeys(laws):
         own = tuple(place for place, other in enumerate(laws) if other is law)
         name = law.file.name
-        quantities += [Quantity("parameters", f"{name}: {one}", one, own) for one in law.names]
+        quantities += [UnknownQuantity("parameters", f"{name}: {one}", one, own) for one in law.names]
         blocks.append(law.covariance)
-        further: list[Quantity] = []
-        for parameter, share in SHARES.items():
+        further: list[UnknownQuantity] = []
+        for parameter, share in SHARE_OF_PARAMETER.items():
             of_clamps = [(f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
             if law.file.spread is not None:
-                further.append(Quantity("form", f"{name}: {share}", parameter, own))
-                further += [Quantity("runs", *each) for each in of_clamps]
+                further.append(UnknownQuantity("form", f"{name}: {share}", parameter, own))
+                further += [UnknownQuantity("runs", *each) for each in of_clamps]
             if solved:
-                further += [Quantity("solution", *each) for each in of_clamps]
+                further += [UnknownQuantity("solution", *each) for each in of_clamps]
         quantities += further
         blocks.append(np.eye(len(further)))
         if law.file.spread is not None and law.file.spread.local is not None:
             shown = "as tests near there show"
-            known = [Quantity("form", f"{name}: {share}, {shown}", one, own, True) for one, share in SHARES.items()]
+            known = [
+                UnknownQuantity("form", f"{name}: {share}, {shown}", one, own, True)
+                for one, share in SHARE_OF_PARAMETER.items()
+            ]
             quantities += known
             blocks.append(np.zeros((len(known), len(known))))
     return Unknown(laws, tuple(quantities), block_diag(*blocks) if blocks else np.zeros((0, 0)))

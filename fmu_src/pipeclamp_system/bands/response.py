@@ -31,9 +31,9 @@ from pipeclamp_system.steady.described import response_table, steady_clamps, ste
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, curve_of, label
 from pipeclamp_system.steady.states import SteadyState
 
-DRAWS = 400
+MOST_DRAWS = 400
 """Of what isn't known, that the bands of curves are made of."""
-TELLS = 0.5
+TELLING_SHARE = 0.5
 """Of its own band, that a point must move at the ends of the first one's, for these to tell how its band bends."""
 
 
@@ -159,7 +159,7 @@ class BandedSystem:
             )
             for place, peak in enumerate(peaks)
         )
-        draws = normal_draws(DRAWS, self.unknown)
+        draws = normal_draws(MOST_DRAWS, self.unknown)
         pieces = tuple(
             tuple(
                 self._piece(of_point[index], peak, bent, draws, draws @ slope, per_cent)
@@ -282,7 +282,7 @@ def _followed(
     sides = []
     for solved, step, end in zip(ends, foretold, (amplitude.low, amplitude.high), strict=True):
         # a point that hardly moves there tells nothing of its own band
-        told = solved is not None and abs(step) >= TELLS * abs(end - amplitude.middle) > 0
+        told = solved is not None and abs(step) >= TELLING_SHARE * abs(end - amplitude.middle) > 0
         bend = (solved - middle) / step if solved is not None and middle is not None and told else 1.0
         sides.append(bend if bend > 0 else 1.0)
     at = amplitude.middle if middle is None else middle

@@ -16,7 +16,7 @@ from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of, sampled
 from pipeclamp_system.steady.harmonics import packed
 from pipeclamp_system.steady.states import SteadyState
 
-SAMPLES = 512
+SAMPLES_PER_CYCLE = 512
 """Of a cycle, in which its ends are sought."""
 
 
@@ -128,7 +128,9 @@ def of_half_range(motion: ComplexArray, changes: ComplexArray) -> Array:
     Returns:
         shape (Q, points).
     """
-    cycle = sampled(motion, SAMPLES)
+    cycle = sampled(motion, SAMPLES_PER_CYCLE)
     points = np.arange(len(motion))
-    moved = np.stack([sampled(one, SAMPLES) for one in changes]) if len(changes) else np.zeros((0, *cycle.shape))
+    moved = (
+        np.stack([sampled(one, SAMPLES_PER_CYCLE) for one in changes]) if len(changes) else np.zeros((0, *cycle.shape))
+    )
     return np.asarray((moved[:, points, cycle.argmax(axis=1)] - moved[:, points, cycle.argmin(axis=1)]) / 2)

@@ -34,7 +34,7 @@ OFF_BY = Declaration.model_validate(
 )
 """By what a whole law may be off, as an effect beside its own: no share turns a sign."""
 
-SHARES: Mapping[str, str] = {"off_k": "stiffness", "off_c": "damping"}
+SHARE_OF_PARAMETER: Mapping[str, str] = {"off_k": "stiffness", "off_c": "damping"}
 """Its parameters, and which of a law's shares each is."""
 
 
@@ -64,11 +64,13 @@ class VariedLaw:
     def _near(self) -> dict[str, Kriged]:
         """What its tests tell of conditions near theirs, by share; empty where its file doesn't."""
         local = self.file.spread.local if self.file.spread else None
-        return {name: Kriged.of(local, getattr(local, name)) for name in SHARES.values()} if local else {}
+        return {name: Kriged.of(local, getattr(local, name)) for name in SHARE_OF_PARAMETER.values()} if local else {}
 
     def lean(self, at: Mapping[str, float]) -> dict[str, float]:
         """Give the shares by which its tests near conditions (A mm, f Hz, T K and so on) lie beside it."""
-        return dict.fromkeys(SHARES.values(), 0.0) | {name: one.at(at)[0] for name, one in self._near.items()}
+        return dict.fromkeys(SHARE_OF_PARAMETER.values(), 0.0) | {
+            name: one.at(at)[0] for name, one in self._near.items()
+        }
 
     def form(self, beyond: Mapping[str, float], at: Mapping[str, float] | None = None) -> Shares:
         """Give by how much the law's form may be off, in standard deviations.
@@ -86,7 +88,7 @@ class VariedLaw:
             return Shares(stiffness=0.0, damping=0.0)
         inside = [spread.form.stiffness, spread.form.damping]
         if at is not None and self._near:
-            inside = [self._near[name].at(at)[1] for name in SHARES.values()]
+            inside = [self._near[name].at(at)[1] for name in SHARE_OF_PARAMETER.values()]
         squares = np.array(inside) ** 2
         for name, steps in self._steps_beyond(beyond).items():
             error = spread.beyond[name].error
@@ -123,13 +125,13 @@ class VariedLaw:
         """
         spread = self.file.spread
         if spread is None:
-            return dict.fromkeys(SHARES.values(), (0.0, 0.0))
+            return dict.fromkeys(SHARE_OF_PARAMETER.values(), (0.0, 0.0))
         inside = [conditions_inside(self.file.range, one) for one in (test, used)]
         beyond = [conditions_beyond(self.file, one) for one in (test, used)]
         there, here = self.form_at(test), self.form_at(used)
         reached, wanted = (self._steps_beyond(one) for one in beyond)
         found = {}
-        for share in SHARES.values():
+        for share in SHARE_OF_PARAMETER.values():
             whole = getattr(here, share) ** 2
             kriged = self._near[share].left(inside) if self._near else None
             inner = kriged[0, 1] ** 2 / kriged[0, 0] if kriged is not None and kriged[0, 0] > 0 else 0.0

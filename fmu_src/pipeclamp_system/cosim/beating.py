@@ -17,7 +17,7 @@ SWINGS = 0.02
 """Share of its mean by which an amplitude must go to and fro in the last fifth (or two fifths) of a run to count."""
 LASTS = 0.8
 """Of the swing in as long a part before, that must be left in the last one: less is a transient that dies out."""
-FEWEST_CYCLES = 5
+FEWEST_CYCLES_THAT_SWING = 5
 """Of the excitation in a fifth of the run, that show a swing."""
 
 
@@ -90,12 +90,12 @@ def cycle_amplitudes(time: Array, signal: Array, frequency: float, cycles: int) 
 
 def is_judged(duration: float, frequency: float) -> bool:
     """Tell whether a run, s, under a sine, Hz, is long enough to show a swing."""
-    return int(0.2 * duration * frequency) >= FEWEST_CYCLES
+    return int(0.2 * duration * frequency) >= FEWEST_CYCLES_THAT_SWING
 
 
 def _swing_in(time: Array, signal: Array, frequency: float, cycles: int) -> Swing | None:
     """Give a swing in the last cycles of a run and as many before them; what only rises or falls is none."""
-    if cycles < FEWEST_CYCLES:
+    if cycles < FEWEST_CYCLES_THAT_SWING:
         return None
     _, amplitude = cycle_amplitudes(time, signal, frequency, 2 * cycles)
     before, last = amplitude[:cycles], amplitude[cycles:]

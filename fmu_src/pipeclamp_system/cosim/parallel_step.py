@@ -13,7 +13,7 @@ from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.cosim.step_error import step_error
 from pipeclamp_system.description.system import SystemDescription
 
-MOST_STEPS = 400_000
+MOST_STEPS_OF_A_TRIAL = 400_000
 """Of a run that looks for the step."""
 
 PROPORTIONAL = 0.25
@@ -59,7 +59,7 @@ def parallel_step(system: SystemDescription, folder: Path, where: str, tell: Pro
             result = replace(result, step_error=error)
             if result.trusted:
                 return ParallelStep(result.step, result.step, error)
-        if step / 2 < system.run.stop_s / MOST_STEPS:
+        if step / 2 < system.run.stop_s / MOST_STEPS_OF_A_TRIAL:
             return ParallelStep(None if result is None else _foretold(result, error), step, error)
         step, before = step / 2, result
 

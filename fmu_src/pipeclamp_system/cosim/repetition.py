@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from pipeclamp_models.base.arrays import Array
 
-REPEATS = 0.02
+REPEATING_SHARE = 0.02
 """Share of a motion's rms by which it may differ from that a cycle before."""
 
 LAST_SHARE = 0.2

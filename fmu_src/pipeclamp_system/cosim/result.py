@@ -13,23 +13,23 @@ from pipeclamp_fmu.slaves.own_motion import LIMIT
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
-from pipeclamp_system.cosim.beating import FEWEST_CYCLES, Beats, Swing, is_judged, swing_of
+from pipeclamp_system.cosim.beating import FEWEST_CYCLES_THAT_SWING, Beats, Swing, is_judged, swing_of
 from pipeclamp_system.cosim.energy import NAMES, EnergyBalance
-from pipeclamp_system.cosim.repetition import LAST_SHARE, REPEATS, off_a_cycle_before
+from pipeclamp_system.cosim.repetition import LAST_SHARE, REPEATING_SHARE, off_a_cycle_before
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_system.description.system import ClampSource, SystemDescription
 from pipeclamp_system.description.trust_mark import doubt
 
-FEWEST_STEPS = 10
+FEWEST_STEPS_PER_PERIOD = 10
 """Of a period of the excitation: what is sampled more coarsely than that is no longer the same motion."""
 
-SETTLED = 0.01
+SETTLED_SHARE = 0.01
 """Share by which the amplitude may change from the last fifth but one of a run to the last, before it is said."""
 
-UNEVEN = 1e-6
+UNEVEN_SHARE = 1e-6
 """Share by which steps of one length may differ by rounding."""
 
-MARGIN = 0.95
+STEP_MARGIN = 0.95
 """Of a step that is proposed: it is said in two digits."""
 
 NOTABLE_FORM = 0.01
@@ -143,7 +143,7 @@ class CosimResult:
         for name in (*self.clamp_names, *self.probe_names):
             last, before = self.amplitude(f"{name}.s"), self.amplitude(f"{name}.s", 0.4, 0.2)
             change = abs(last / before - 1) if before > 0 else 0.0
-            if change > SETTLED:
+            if change > SETTLED_SHARE:
                 changes[name] = change
         return changes
 
@@ -155,7 +155,7 @@ class CosimResult:
             return {}
         points = (*self.clamp_names, *self.probe_names)
         off = {name: off_a_cycle_before(self.time, self.columns[f"{name}.s"], frequency) for name in points}
-        return {name: share for name, share in off.items() if share > REPEATS}
+        return {name: share for name, share in off.items() if share > REPEATING_SHARE}
 
     def doubts(self) -> list[tuple[str, str]]:
         """Say why it isn't to be trusted: what is wrong, what was expected, and what helps."""
@@ -164,9 +164,9 @@ class CosimResult:
         motion = f"{self.hidden_share:.2%} of a clamp's motion passes between the steps"
         most = f"expected at most {self.trusted_share:.2%}"
         found = []
-        if self.steps_a_period < FEWEST_STEPS:
+        if self.steps_a_period < FEWEST_STEPS_PER_PERIOD:
             few = f"there are {self.steps_a_period:.2g} steps in a period of the excitation"
-            found.append((few, f"expected at least {FEWEST_STEPS}; use a smaller step_s"))
+            found.append((few, f"expected at least {FEWEST_STEPS_PER_PERIOD}; use a smaller step_s"))
         if self.coupling_share > self.trusted_share:
             other = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
             found.append((energy, f"{most}; use a smaller step_s or energy_tolerance{other}"))
@@ -220,10 +220,10 @@ class CosimResult:
 
     def _right_step(self, error: float) -> float | None:
         """Give a step that makes the motion's error the expected one; None where none can be foretold."""
-        if error == inf or np.ptp(np.diff(self.time)) > UNEVEN * self.step:
+        if error == inf or np.ptp(np.diff(self.time)) > UNEVEN_SHARE * self.step:
             return None
         power = 1 / (self.order or ORDER[self.scheme])
-        return MARGIN * self.step * float((self.trusted_share / error) ** power)
+        return STEP_MARGIN * self.step * float((self.trusted_share / error) ** power)
 
     def amplitude(self, column: str, share: float = LAST_SHARE, but: float = 0.0) -> float:
         """Give half the peak-to-peak value of a column over the last share of the run, but for the very last one."""
@@ -251,7 +251,7 @@ class CosimResult:
         ]
         lines += [
             f"not settled: the amplitude at {name} changes by {change:.1%} from the last fifth but one to the last, "
-            f"expected at most {SETTLED:.0%}; use a larger stop_s"
+            f"expected at most {SETTLED_SHARE:.0%}; use a larger stop_s"
             for name, change in self.unsettled.items()
             if self.beats is None
         ]
@@ -314,13 +314,14 @@ class CosimResult:
             return []
         return [
             f"whether the amplitude swings for its tracker isn't judged: a fifth of the run has "
-            f"{0.2 * self.time[-1] * frequency:.2g} cycles, expected at least {FEWEST_CYCLES}; use a larger stop_s"
+            f"{0.2 * self.time[-1] * frequency:.2g} cycles, expected at least {FEWEST_CYCLES_THAT_SWING}; "
+            "use a larger stop_s"
         ]
 
     def _step_text(self) -> str:
         """Give the macro steps' lengths."""
         steps = np.diff(self.time)
-        if np.ptp(steps) < UNEVEN * steps.max():
+        if np.ptp(steps) < UNEVEN_SHARE * steps.max():
             return f"{self.step:g} s"
         return f"{steps.min():.3g} to {steps.max():.3g} s"
 

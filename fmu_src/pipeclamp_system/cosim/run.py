@@ -20,7 +20,7 @@ from pipeclamp_system.cosim.recording import CLAMP_UNITS, Recording, pipe_watche
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.step_error import order_of, step_error
 from pipeclamp_system.cosim.variables import PipeVariables, clamp_parameters, pipe_variables
-from pipeclamp_system.coupling.broyden import Tolerance
+from pipeclamp_system.coupling.broyden import SolverTolerance
 from pipeclamp_system.coupling.march import Participant, Point, System, march
 from pipeclamp_system.coupling.schemes import advance_of, best_allowed
 from pipeclamp_system.coupling.step_control import march_controlled
@@ -276,7 +276,7 @@ def _run(
 def _marched(system: System, run: RunTable) -> Iterator[Point]:
     """Step initialised participants as a run asks for."""
     even = run.energy_tolerance is None or run.scheme not in ROLLS_BACK
-    advance = advance_of(run.scheme, system, Tolerance(run.tolerance, run.max_iterations), locates=even)
+    advance = advance_of(run.scheme, system, SolverTolerance(run.tolerance, run.max_iterations), locates=even)
     if even:
         return march(system, advance, run.even_step_s, run.steps)
     assert run.energy_tolerance is not None

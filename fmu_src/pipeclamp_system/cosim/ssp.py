@@ -14,13 +14,13 @@ from pipeclamp_system.cosim.parallel_step import ParallelStep, parallel_step
 from pipeclamp_system.cosim.variables import clamp_parameters, pipe_variables
 from pipeclamp_system.description.excitation import excitation_signal
 from pipeclamp_system.description.system import read_system
-from pipeclamp_system.fmus.variables import find_variables, read_description, renamed, variables_of
+from pipeclamp_system.fmus.variables import find_variables, read_model_description, renamed, variables_of
 
 PIPE, EXCITATION = "pipe", "excitation"
 FLANGE = ("flange.s", "flange.v", "flange.f")
 UNITS = {"base": "m/s2", "force": "N"}
 
-MOST_SAMPLES = 200_000
+MOST_EXCITATION_SAMPLES = 200_000
 """Of the excitation, one a step, in its FMU."""
 
 
@@ -42,13 +42,14 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = lam
     folder = path.parent
     described = read_system(path)
     run = described.run
-    if run.steps > MOST_SAMPLES:
+    if run.steps > MOST_EXCITATION_SAMPLES:
         raise UserError(
-            f"{path}: run has {run.steps} steps; expected at most {MOST_SAMPLES}, as an SSP holds a sample for each"
+            f"{path}: run has {run.steps} steps; expected at most {MOST_EXCITATION_SAMPLES}, "
+            "as an SSP holds a sample for each"
         )
     with finished(described, folder, build) as description, tempfile.TemporaryDirectory(prefix="pipeclamp_") as scratch:
         pipe_fmu = folder / str(description.pipe.fmu)
-        pipe = renamed(variables_of(read_description(pipe_fmu)), description.pipe.variables, pipe_fmu)
+        pipe = renamed(variables_of(read_model_description(pipe_fmu)), description.pipe.variables, pipe_fmu)
         coupled = pipe_variables(pipe, pipe_fmu, description, str(path))
         signal = excitation_signal(description.excitation, coupled.kind, run.stop_s, folder, str(path))
         values = [signal(min(index * run.even_step_s, run.stop_s)) for index in range(run.steps + 1)]
@@ -58,7 +59,7 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = lam
         components = [Component(EXCITATION, excitation_fmu, {}), Component(PIPE, pipe_fmu, {})]
         for source in description.clamps:
             name, fmu = source.at, folder / str(source.fmu)
-            clamp = renamed(variables_of(read_description(fmu)), source.variables, fmu)
+            clamp = renamed(variables_of(read_model_description(fmu)), source.variables, fmu)
             parameters = clamp_parameters(source, description, clamp)
             theirs = [variable.name for variable in find_variables(clamp, list(parameters), fmu)]
             components.append(Component(name, fmu, dict(zip(theirs, parameters.values(), strict=True))))

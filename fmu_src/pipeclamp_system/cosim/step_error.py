@@ -14,13 +14,11 @@ from math import inf
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from pipeclamp_system.cosim.repetition import LAST_SHARE
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.description.scheme import ORDER
 
-LAST_SHARE = 0.2
-"""Last part of a run, which counts as much as the whole."""
-
-STILL = 1e-6
+STILL_SHARE = 1e-6
 """What moves by less than this share of what moves most is not asked."""
 
 
@@ -70,7 +68,7 @@ def _difference(result: CosimResult, other: CosimResult) -> float:
     seen = np.column_stack([coarse.columns[name] for name in columns])
     truer = CubicSpline(fine.time, np.column_stack([fine.columns[name] for name in columns]))(coarse.time)
     windows = (slice(None), slice(int(np.searchsorted(coarse.time, (1 - LAST_SHARE) * coarse.time[-1])), None))
-    least = STILL * float(truer.std(axis=0).max())
+    least = STILL_SHARE * float(truer.std(axis=0).max())
     shares = [
         float(np.sqrt(np.mean((seen[window, index] - truer[window, index]) ** 2)) / scale)
         for window, index in product(windows, range(len(columns)))

@@ -13,15 +13,15 @@ from math import inf, isfinite
 
 from scipy.optimize import brentq
 
-from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Tolerance, Vector
+from pipeclamp_system.coupling.broyden import Answer, NotFoundError, SolverTolerance, Vector
 
 MOST_SWEEPS = 40
 """Times that all clamps are gone through."""
 
-MOST_TRIALS = 60
+MOST_TRIALS_A_SWEEP = 60
 """Of one clamp in one sweep."""
 
-WIDTH = 1e-14
+ENCLOSED_SHARE = 1e-14
 """Share of a force to which it is enclosed."""
 
 
@@ -29,7 +29,7 @@ class _AgreedError(Exception):
     """The forces agree: no bracket needs to be narrowed any further."""
 
 
-def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tolerance: Tolerance) -> Vector:
+def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tolerance: SolverTolerance) -> Vector:
     """Find f with answer(f) = f, each answer falling with its own unknown.
 
     Args:
@@ -67,8 +67,9 @@ def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tol
                 residual = tried(index, begin)
                 end = begin + residual
                 if residual * tried(index, end) < 0:
-                    found, how = brentq(lambda value, at=index: tried(at, value), begin, end, xtol=WIDTH * scale[index],
-                                        rtol=4 * WIDTH, maxiter=MOST_TRIALS, full_output=True, disp=False)  # fmt: skip
+                    found, how = brentq(lambda value, at=index: tried(at, value), begin, end,
+                                        xtol=ENCLOSED_SHARE * scale[index], rtol=4 * ENCLOSED_SHARE,
+                                        maxiter=MOST_TRIALS_A_SWEEP, full_output=True, disp=False)  # fmt: skip
                     tried(index, float(found))
                     jumps[index] = bool(how.converged)
             moved = [abs(a - b) / extent for a, b, extent in zip(unknown, before, scale, strict=True)]

@@ -18,12 +18,12 @@ Answer = Callable[[Vector], Vector]
 SMALLEST_TURN = 0.05
 """An update may enlarge the inverse Jacobian's determinant by at most the inverse of this, and never turn its sign."""
 
-FLOOR = 1e-9
+SMALLEST_SCALE = 1e-9
 """Scale of an unknown that has stayed near zero, as a share of the largest one."""
 
 
 @dataclass(frozen=True)
-class Tolerance:
+class SolverTolerance:
     """When the unknowns are found.
 
     Attributes:
@@ -46,7 +46,7 @@ class NotFoundError(Exception):
 class Solver:
     """The method's memory: the inverse Jacobian of answer(f) - f and the unknowns' scale."""
 
-    def __init__(self, count: int, tolerance: Tolerance) -> None:
+    def __init__(self, count: int, tolerance: SolverTolerance) -> None:
         """Start as plain repetition f := answer(f)."""
         self._tolerance = tolerance
         self._inverse = [[-1.0 if row == column else 0.0 for column in range(count)] for row in range(count)]
@@ -104,7 +104,7 @@ class Solver:
     def scale(self, given: Sequence[float]) -> Vector:
         """Give each unknown's scale: the largest value that it has had, or has now."""
         values = [max(peak, abs(value)) for peak, value in zip(self._peaks, given, strict=True)]
-        floor = FLOOR * max(values, default=0.0) or 1.0
+        floor = SMALLEST_SCALE * max(values, default=0.0) or 1.0
         return [max(value, floor) for value in values]
 
     def _learn(self, change: Vector, effect: Vector) -> None:

@@ -18,7 +18,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.coupling.march import Participant, Point, Predictor, System, end_point, step_clamps
+from pipeclamp_system.coupling.march import (
+    SMALLEST_MOTION,
+    Participant,
+    Point,
+    Predictor,
+    System,
+    end_point,
+    step_clamps,
+)
 
 NUDGE = 1e-3
 """Share of a step's change, and of the largest value so far, by which s and v are moved for a slope."""
@@ -26,11 +34,8 @@ NUDGE = 1e-3
 MISS = 0.01
 """Share of the largest force so far by which the clamps' force may miss the one that the pipe was told."""
 
-MOST_TRIALS = 12
+MOST_TRIALS_A_STEP = 12
 """Of a step; the nearest one is taken then, and its error shows in the energy."""
-
-SMALLEST = 1e-12
-"""m and m/s: below this nothing moves."""
 
 
 class LinearlyImplicit:
@@ -41,8 +46,8 @@ class LinearlyImplicit:
         self._system = system
         self._predictor = Predictor()
         self._answers: dict[float, Array] = {}
-        self._peaks = np.full(2 * len(system.clamps), SMALLEST)
-        self._largest = np.full(len(system.clamps), SMALLEST)
+        self._peaks = np.full(2 * len(system.clamps), SMALLEST_MOTION)
+        self._largest = np.full(len(system.clamps), SMALLEST_MOTION)
 
     def accept(self, point: Point) -> None:
         """Remember a point for the next guess."""
@@ -61,7 +66,7 @@ class LinearlyImplicit:
         count = told.size
         nearest, nearest_miss, share, slopes = told, np.inf, 1.0, np.zeros((count, 2))
         change = np.zeros(count)
-        for trial in range(1, MOST_TRIALS + 1):
+        for trial in range(1, MOST_TRIALS_A_STEP + 1):
             if trial > 1:
                 for participant in participants:
                     participant.restore()
@@ -75,7 +80,7 @@ class LinearlyImplicit:
             given = step_clamps(system, motion, time, h)
             missed = np.subtract(given, told)
             miss = float(np.abs(missed / np.maximum(self._largest, np.abs(given))).max())
-            if (trial > 1 and miss <= MISS) or trial == MOST_TRIALS:
+            if (trial > 1 and miss <= MISS) or trial == MOST_TRIALS_A_STEP:
                 break
             if miss < nearest_miss:
                 nearest, nearest_miss, share = told, miss, 1.0

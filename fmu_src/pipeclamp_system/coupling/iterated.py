@@ -19,13 +19,13 @@ from scipy.optimize import brentq
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.coupling.bracketing import MOST_SWEEPS, enclosed
-from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Solver, Tolerance, Vector
+from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Solver, SolverTolerance, Vector
 from pipeclamp_system.coupling.march import Point, Predictor, System, end_point, step_clamps
 
-SLOW = 1e-3
+REST_VELOCITY_SHARE = 1e-3
 """Share of a clamp's largest velocity so far below which it may be at rest."""
 
-STEPS = 0.01
+STEPPING_FORCE_SHARE = 0.01
 """Share of the largest force so far by which it must change from one slow velocity to the other to count as a step."""
 
 SLIDES = 0.1
@@ -78,7 +78,7 @@ class _Trials:
 class Iteration:
     """The scheme's memory from step to step: the solver's, the forces before the present ones, and who slides."""
 
-    def __init__(self, system: System, tolerance: Tolerance, *, locates: bool = True) -> None:
+    def __init__(self, system: System, tolerance: SolverTolerance, *, locates: bool = True) -> None:
         """Start without any.
 
         Args:
@@ -149,7 +149,7 @@ class Iteration:
 
     def _is_slow(self, index: int, point: Point) -> bool:
         """Tell whether a clamp may be at rest."""
-        return abs(point.velocity[index]) < SLOW * self._fastest[index]
+        return abs(point.velocity[index]) < REST_VELOCITY_SHARE * self._fastest[index]
 
     def _save(self) -> None:
         for participant in self._participants:
@@ -209,14 +209,14 @@ class Iteration:
         """Give the clamps that have slid to a side, and whose force has stepped since; remember who slides slowly."""
         stopped, slow_sides = {}, {}
         for index, (before, now) in enumerate(zip(start.velocity, reached.velocity, strict=True)):
-            slow = SLOW * self._fastest[index]
+            slow = REST_VELOCITY_SHARE * self._fastest[index]
             side = int(copysign(1, before)) if abs(before) > slow else self._slow_sides.get(index, 0)
             if not side or side * now >= slow:
                 continue
             motion = (reached.displacement[index], side * slow, -side * slow, now)
             sliding, other, _ = self._forces_at(index, motion, start.time, reached.time - start.time)
             step = abs(sliding - other)
-            if step <= STEPS * self._solver.scale(reached.force)[index]:
+            if step <= STEPPING_FORCE_SHARE * self._solver.scale(reached.force)[index]:
                 continue
             if side * now > 0 and abs(reached.force[index] - sliding) <= SLIDES * step:
                 slow_sides[index] = side
@@ -239,7 +239,7 @@ class Iteration:
 
     def _continued(self, index: int, side: int, motion: Sequence[float], time: float, length: float) -> float:
         """Give the force of a clamp that slides to a side, a straight line through v = 0 where it is slow."""
-        slow = side * SLOW * self._fastest[index]
+        slow = side * REST_VELOCITY_SHARE * self._fastest[index]
         displacement, velocity = motion[index], motion[len(self._system.clamps) + index]
         if velocity / slow >= 2:
             return self._forces_at(index, (displacement, velocity), time, length)[0]

@@ -17,6 +17,9 @@ from dataclasses import dataclass
 from math import prod
 from typing import Protocol
 
+SMALLEST_MOTION = 1e-12
+"""m and m/s: below this nothing moves."""
+
 
 class Participant(Protocol):
     """What a scheme needs of a pipe or a clamp; `save` keeps one state, `restore` goes back to it."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from pipeclamp_system.coupling.broyden import Tolerance
+from pipeclamp_system.coupling.broyden import SolverTolerance
 from pipeclamp_system.coupling.implicit import LinearlyImplicit
 from pipeclamp_system.coupling.iterated import Iteration
 from pipeclamp_system.coupling.march import Advance, Explicit, System
 from pipeclamp_system.description.scheme import ROLLS_BACK, Scheme
 
 
-def advance_of(scheme: Scheme, system: System, tolerance: Tolerance, *, locates: bool = True) -> Advance:
+def advance_of(scheme: Scheme, system: System, tolerance: SolverTolerance, *, locates: bool = True) -> Advance:
     """Give a scheme for a system; the tolerance, and whether it locates steps of force, are for the iterated one."""
     if scheme == "iterated":
         return Iteration(system, tolerance, locates=locates)

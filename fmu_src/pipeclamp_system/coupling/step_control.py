@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from pipeclamp_system.coupling.march import Advance, Point, System, initial_point
 
-HALVINGS = 10
+MOST_HALVINGS = 10
 """A step is halved at most so many times; the shortest one is taken whatever its error."""
 
 CALM, CALM_STEPS = 0.15, 20
@@ -70,7 +70,7 @@ def march_controlled(
         trial = advance.advance(point, point.time, h)
         made, power = energy_error(point, trial)
         allowed = tolerance * max(largest_power, power) * h
-        if made > allowed and halvings < HALVINGS and point.index >= STARTING:
+        if made > allowed and halvings < MOST_HALVINGS and point.index >= STARTING:
             halvings, calm = halvings + 1, 0
             for participant in participants:
                 participant.restore()

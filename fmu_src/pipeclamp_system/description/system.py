@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, model_validator
 
-from pipeclamp_models.base.toml_file import Celsius, Name, Number, Positive, Table, read_table
+from pipeclamp_models.base.toml_file import Celsius, Number, Positive, ShortName, TomlTable, read_table
 from pipeclamp_system.description.scheme import ROLLS_BACK, Scheme
 
 LawMode = Literal["given", "solved", "tracked"]
@@ -16,7 +16,7 @@ MOST_STEPS = 5_000_000
 """More than these don't fit into memory with all that is kept of each."""
 
 
-class PipeSource(Table):
+class PipeSource(TomlTable):
     """The pipe: its description, or a finished FMU; `variables` gives a foreign FMU's names for ours.
 
     Ours are base.a or excitation.f, and for each clamp NAME.s, NAME.v, NAME.f, for each probe NAME.s.
@@ -35,7 +35,7 @@ class PipeSource(Table):
         return self
 
 
-class ClampSource(Table):
+class ClampSource(TomlTable):
     """One clamp: where it sits, its law or finished FMU, and the motion that its law's coefficients are taken for.
 
     Amplitude and frequency are those given here; with `solve` they are only where it starts, and the run is repeated
@@ -45,7 +45,7 @@ class ClampSource(Table):
     flange.s, flange.v, flange.f.
     """
 
-    at: Name
+    at: ShortName
     law: str | None = None
     fmu: str | None = None
     temperature_C: Celsius
@@ -72,7 +72,7 @@ class ClampSource(Table):
         return self
 
 
-class ExcitationTable(Table):
+class ExcitationTable(TomlTable):
     """The excitation: a sine, a sweep or a record; of the base's acceleration or displacement, or of the force."""
 
     kind: Literal["sine", "sweep", "record"]
@@ -108,7 +108,7 @@ class ExcitationTable(Table):
         return max(filter(None, (self.frequency_Hz, self.from_Hz, self.to_Hz)), default=None)
 
 
-class RunTable(Table):
+class RunTable(TomlTable):
     """How to run: until when, in which macro steps, coupled how, to which tolerance.
 
     With `energy_tolerance` the macro step follows the energy that the coupling makes, as a share of what is exchanged;
@@ -148,7 +148,7 @@ class RunTable(Table):
         return self.stop_s / self.steps
 
 
-class ResponseTable(Table):
+class ResponseTable(TomlTable):
     """What `pipeclamp response` draws.
 
     Attributes:
@@ -173,7 +173,7 @@ class ResponseTable(Table):
         return self
 
 
-class SystemDescription(Table):
+class SystemDescription(TomlTable):
     """A coupled system; paths are relative to the file they stand in."""
 
     name: str = "system"

@@ -19,7 +19,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.fmus.library import refuse_cut_libraries, refuse_cut_program
 from pipeclamp_system.fmus.messages import PYTHON_FMU, Messages, callbacks_for
 from pipeclamp_system.fmus.unpacking import unpacking_folder
-from pipeclamp_system.fmus.variables import EXPECTED, find_variables, read_description, renamed, variables_of
+from pipeclamp_system.fmus.variables import EXPECTED, find_variables, read_model_description, renamed, variables_of
 
 
 class LoadedFmu:
@@ -33,7 +33,7 @@ class LoadedFmu:
         """
         self.path, self.instance = path, instance
         self.messages = Messages()
-        description = read_description(path)
+        description = read_model_description(path)
         unpack_archive(path, folder, EXPECTED)
         refuse_cut_libraries(folder, path)
         if PYTHON_FMU in (description.generationTool or ""):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.fmus.messages import PYTHON_FMU
-from pipeclamp_system.fmus.variables import read_description
+from pipeclamp_system.fmus.variables import read_model_description
 
 PREFIX = "pipeclamp_"
 
@@ -51,4 +51,4 @@ def _others() -> Sequence[Path]:
 
 
 def _runs_python(fmu: Path) -> bool:
-    return PYTHON_FMU in (read_description(fmu).generationTool or "")
+    return PYTHON_FMU in (read_model_description(fmu).generationTool or "")

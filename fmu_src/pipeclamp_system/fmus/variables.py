@@ -10,13 +10,14 @@ from typing import Any
 
 import fmpy
 
+from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_models.base.archive import opened_archive
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """A variable of an FMU: its name there, its reference, its type, its causality."""
 
     name: str
@@ -25,25 +26,24 @@ class Variable:
     causality: str
 
 
-Variables = Mapping[str, Variable]
+Variables = Mapping[str, FmuVariable]
 """Variables by the names that we know them by."""
 
 
 EXPECTED = "an FMU of FMI 2.0 for co-simulation"
-DESCRIPTION = "modelDescription.xml"
 IDENTIFIER = re.compile(r"\w{1,200}", re.ASCII)
 """A model's, which is the name of its library."""
 
 
-def read_description(path: Path) -> Any:
+def read_model_description(path: Path) -> Any:
     """Read an FMU's model description.
 
     Raises:
         UserError: the file is no FMU of FMI 2.0 co-simulation.
     """
     with opened_archive(path, EXPECTED) as archive:
-        if DESCRIPTION not in archive.namelist():
-            raise UserError(f"{path}: holds no {DESCRIPTION}; expected {EXPECTED}")
+        if MODEL_DESCRIPTION not in archive.namelist():
+            raise UserError(f"{path}: holds no {MODEL_DESCRIPTION}; expected {EXPECTED}")
         try:
             # of the file that was looked at, which is open already
             description = fmpy.read_model_description(archive.fp)
@@ -64,12 +64,12 @@ def read_description(path: Path) -> Any:
 def variables_of(description: Any) -> Variables:
     """Give the variables that a model description lists."""
     return {
-        variable.name: Variable(variable.name, variable.valueReference, variable.type, variable.causality)
+        variable.name: FmuVariable(variable.name, variable.valueReference, variable.type, variable.causality)
         for variable in description.modelVariables
     }
 
 
-def find_variables(variables: Variables, names: Sequence[str], path: Path) -> list[Variable]:
+def find_variables(variables: Variables, names: Sequence[str], path: Path) -> list[FmuVariable]:
     """Give variables by name; the FMU's `path` is named in errors.
 
     Raises:

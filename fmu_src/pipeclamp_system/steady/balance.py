@@ -17,8 +17,8 @@ from pipeclamp_system.steady.clamp import harmonics_of
 from pipeclamp_system.steady.continuation import Solution, Steps, between, follow
 from pipeclamp_system.steady.driven import DrivenPipe
 from pipeclamp_system.steady.floquet import growth
-from pipeclamp_system.steady.harmonics import DOUBTFUL, packed
-from pipeclamp_system.steady.in_time import Marched, Standing
+from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE, packed
+from pipeclamp_system.steady.in_time import MarchedMotion, Standing
 from pipeclamp_system.steady.start import begun
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range
 from pipeclamp_system.steady.tangents import tangents
@@ -28,11 +28,11 @@ OVER_FREQUENCY = Steps(widest=0.05)
 """Of a path over frequency: a resonance damped by 1 % stands out twentyfold so far from its frequency, as a share: in
 a longer step one that is small beside others could begin and end unseen."""
 
-APART, FINEST, MOST_IN_TIME = 0.04, 0.002, 120
+APART_SHARE, CLOSEST_SHARE, MOST_IN_TIME = 0.04, 0.002, 120
 """Frequencies that are marched lie so far apart, as a share, and half of that again where the response bends, down to
 the second; but no more are marched than these."""
 
-STRAIGHT, OTHER = 0.01, 0.05
+STRAIGHT_SHARE, OTHER = 0.01, 0.05
 """Share by which an amplitude may be off the straight line through its neighbours', and from which on it is that of
 another motion."""
 
@@ -109,36 +109,36 @@ class SteadySystem(DrivenPipe):
 
     def _sound(self, states: tuple[SteadyState, ...]) -> tuple[SteadyState, ...]:
         """Leave out where a path that was given up had strayed, at its end."""
-        while not self.stated_harmonics and states and states[-1].truncated > DOUBTFUL:
+        while not self.stated_harmonics and states and states[-1].truncated > DOUBTFUL_SHARE:
             states = states[:-1]
         return states
 
-    def _in_turn(self, first: float, last: float, begin: Standing | None = None) -> list[Marched]:
+    def _in_turn(self, first: float, last: float, begin: Standing | None = None) -> list[MarchedMotion]:
         """March at frequencies (Hz) from one to another, each from the motion before; lowest first.
 
         Those whose motion has no numbers are left out.
         """
-        count = min(MOST_IN_TIME // 2, 2 + ceil(abs(log(last / first)) / log(1 + APART)))
-        found: list[Marched] = []
+        count = min(MOST_IN_TIME // 2, 2 + ceil(abs(log(last / first)) / log(1 + APART_SHARE)))
+        found: list[MarchedMotion] = []
         for frequency in np.geomspace(first, last, count).tolist():
             one = self.marched(frequency, found[-1].end if found else begin)
             found += [one] if one is not None else []
         return sorted(found, key=lambda one: one.frequency)
 
-    def _finer(self, found: list[Marched]) -> list[Marched]:
+    def _finer(self, found: list[MarchedMotion]) -> list[MarchedMotion]:
         """March between motions where the response bends, too."""
         while between := self._bent(found)[: max(0, MOST_IN_TIME - len(found))]:
             marched = [self.marched(frequency, before.end) for before, frequency in between]
             found = sorted([*found, *(one for one in marched if one is not None)], key=lambda one: one.frequency)
         return found
 
-    def _others(self, known: Sequence[Marched], found: Sequence[Marched]) -> list[list[Marched]]:
+    def _others(self, known: Sequence[MarchedMotion], found: Sequence[MarchedMotion]) -> list[list[MarchedMotion]]:
         """Give the steady motions that aren't those known at their frequency, neighbours together."""
         steady = [one for one in known if one.round == 1]
         if not steady:
             return []
         frequencies, amplitudes = [one.frequency for one in steady], np.array([one.high for one in steady])
-        others: list[list[Marched]] = []
+        others: list[list[MarchedMotion]] = []
         for is_other, group in groupby(
             (one for one in found if one.round == 1),
             key=lambda one: any(
@@ -150,16 +150,16 @@ class SteadySystem(DrivenPipe):
         return others
 
     @staticmethod
-    def _bent(found: Sequence[Marched]) -> list[tuple[Marched, float]]:
+    def _bent(found: Sequence[MarchedMotion]) -> list[tuple[MarchedMotion, float]]:
         """Give frequencies, Hz, between motions where straight lines through their amplitudes aren't near enough, and
         the motion before each."""
-        bent: dict[float, Marched] = {}
+        bent: dict[float, MarchedMotion] = {}
         for one, two, three in zip(found, found[1:], found[2:], strict=False):
             share = (two.frequency - one.frequency) / (three.frequency - one.frequency)
             straight = one.high + share * (three.high - one.high)
-            if np.any(np.abs(straight - two.high) > STRAIGHT * two.high):
+            if np.any(np.abs(straight - two.high) > STRAIGHT_SHARE * two.high):
                 for begin, end in ((one, two), (two, three)):
-                    if abs(log(end.frequency / begin.frequency)) > FINEST:
+                    if abs(log(end.frequency / begin.frequency)) > CLOSEST_SHARE:
                         bent[(begin.frequency + end.frequency) / 2] = begin
         return [(before, frequency) for frequency, before in bent.items()]
 
@@ -182,11 +182,11 @@ class SteadySystem(DrivenPipe):
             found.append(path[-1].unknowns)
         return found
 
-    def marched(self, frequency: float, begin: Standing | None = None) -> Marched | None:
+    def marched(self, frequency: float, begin: Standing | None = None) -> MarchedMotion | None:
         """March at a frequency (Hz), from rest unless told, until the motion repeats; as of `InTime.at`."""
         return self.in_time.at(frequency, self.excitation(frequency), begin)
 
-    def state_in_time(self, marched: Marched) -> SteadyState:
+    def state_in_time(self, marched: MarchedMotion) -> SteadyState:
         """Give the steady state to which a march came."""
         points, count = marched.points, len(self._clamps)
         farthest = half_range(points[:count]).tolist()

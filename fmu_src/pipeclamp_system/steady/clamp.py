@@ -18,10 +18,10 @@ from pipeclamp_models.realise.scalar_law import parts_of_law
 
 Bounds = tuple[float, float]
 
-SAMPLES = 256
+SAMPLES_PER_CYCLE = 256
 """Of a cycle, at which the law is evaluated."""
 
-FINER = 4
+JUMPING_TIMES_FINER = 4
 """Times as many of a law whose memory jumps: its force sets in within a step, half of one late. Behind a clearance the
 motion errs by 1.2 % at 256 samples and by 0.2 % at 1024 (a stiff clamp on a cantilever at 6 Hz)."""
 
@@ -49,7 +49,7 @@ class SteadyClamp:
     range_A: Bounds
     range_f: Bounds
     further: Mapping[str, float] = field(default_factory=dict)
-    samples: int = SAMPLES
+    samples: int = SAMPLES_PER_CYCLE
     ranges: Mapping[str, Bounds] = field(default_factory=dict)
     jumps: bool = False
 
@@ -129,7 +129,9 @@ class SteadyClamp:
         return harmonics_of(force, motion.shape[1])
 
 
-def samples_of_law(law: Law, conditions: Mapping[str, float], A: float, f: float, samples: int = SAMPLES) -> int:
+def samples_of_law(
+    law: Law, conditions: Mapping[str, float], A: float, f: float, samples: int = SAMPLES_PER_CYCLE
+) -> int:
     """Give the samples of a cycle that a law needs where one whose memory doesn't jump takes so many.
 
     Args:
@@ -139,7 +141,7 @@ def samples_of_law(law: Law, conditions: Mapping[str, float], A: float, f: float
         f: frequency, Hz.
         samples: of a law whose memory doesn't jump.
     """
-    return samples * (FINER if parts_of_law(law, conditions, A, f) > 1 else 1)
+    return samples * (JUMPING_TIMES_FINER if parts_of_law(law, conditions, A, f) > 1 else 1)
 
 
 def harmonics_of(signals: Array, count: int) -> ComplexArray:

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-Evaluated = tuple[Array, Array, Array]
-"""Residual (m,), its derivatives by the unknowns (m, m) and by the parameter (m,)."""
+
+class Evaluated(NamedTuple):
+    """Residual (m,), its derivatives by the unknowns (m, m) and by the parameter (m,)."""
+
+    residual: Array
+    by_unknowns: Array
+    by_parameter: Array
 
 
 @dataclass(frozen=True)
-class Refinement:
+class HarmonicRefinement:
     """How finely unknowns stand for what is sought, solution by solution.
 
     Attributes:
@@ -36,7 +42,7 @@ class Equation:
     """
 
     evaluate: Callable[[Array, float], Evaluated]
-    refinement: Refinement | None = None
+    refinement: HarmonicRefinement | None = None
 
     def __call__(self, unknowns: Array, parameter: float) -> Evaluated:
         """Evaluate it."""
@@ -76,7 +82,7 @@ CORRECTIONS = 10
 QUICK = 4
 """Newton corrections after which a step is given up, and up to which the next one may be longer."""
 
-STRAIGHT = 0.7
+STRAIGHT_COSINE = 0.7
 """Cosine of the angle by which a path may turn in a step: what turns by more may have left it for another, and so may
 what changes its side."""
 
@@ -88,8 +94,8 @@ CROSSING_STEPS = (0.02, 0.05, 0.1)
 """How often the piece of a path that another crosses is halved, and how far from there the other is looked for, as
 shares of the unknowns' size: the first at which it is found."""
 
-HALVINGS = 30
-BESIDE, SAME = 0.25, 1e-4
+PASSING_HALVINGS = 30
+BESIDE, SAME_UNKNOWNS_SHARE = 0.25, 1e-4
 """Where a path passes a parameter: how often it is halved, how far from the straight line between two of its points it
 is looked for, as a share of their distance, and what difference is none, as a share of the unknowns' size."""
 
@@ -164,11 +170,11 @@ def between(equation: Equation, before: Solution, after: Solution, parameter: fl
     """
     size = max(before.unknowns.size, after.unknowns.size)
     ends = [Solution(end.parameter, equation.resized(end.unknowns, size)) for end in (before, after)]
-    for _ in range(HALVINGS):
+    for _ in range(PASSING_HALVINGS):
         one, other = ends
         span, chord = other.parameter - one.parameter, other.unknowns - one.unknowns
         largest = float(np.abs([one.unknowns, other.unknowns]).max())
-        near = BESIDE * float(np.abs(chord).max()) + SAME * largest
+        near = BESIDE * float(np.abs(chord).max()) + SAME_UNKNOWNS_SHARE * largest
         guess = one.unknowns + (parameter - one.parameter) / span * chord
         # Where forces step, corrections can run away from the line and come home from an end of it.
         for start in (guess, one.unknowns, other.unknowns):
@@ -234,7 +240,7 @@ def follow(
             turn = float(onwards @ np.append(before, ahead[-1]))
             onwards = onwards if turn > 0 else -onwards
             side = _side(by_unknowns, by_parameter, onwards, largest, span)
-        if fitted is None or ((abs(turn) < STRAIGHT or side != point.side) and step > CAREFUL):
+        if fitted is None or ((abs(turn) < STRAIGHT_COSINE or side != point.side) and step > CAREFUL):
             if finer is not None:
                 (point, ahead), finer = finer, None
                 continue
@@ -292,7 +298,7 @@ def crossing(equation: Equation, before: Solution, after: Solution) -> Solution 
         else:
             high = middle
     scales = np.append(np.full(low.unknowns.size, np.abs(low.unknowns).max()), abs(low.parameter))
-    by_unknowns = equation(low.unknowns, low.parameter)[1]
+    by_unknowns = equation(low.unknowns, low.parameter).by_unknowns
     across = np.append(np.linalg.svd(by_unknowns)[2][-1], 0.0)
     for step in CROSSING_STEPS:
         found = _corrected(equation, low, across, step, scales, Steps.tolerance)
@@ -304,7 +310,7 @@ def crossing(equation: Equation, before: Solution, after: Solution) -> Solution 
 
 def _sign(equation: Equation, solution: Solution) -> float:
     """Give the sign of the determinant of the derivatives by the unknowns."""
-    return float(np.linalg.slogdet(equation(solution.unknowns, solution.parameter)[1])[0])
+    return float(np.linalg.slogdet(equation(solution.unknowns, solution.parameter).by_unknowns)[0])
 
 
 def _refined(

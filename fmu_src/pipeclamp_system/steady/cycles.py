@@ -16,13 +16,13 @@ from numba import njit, types
 
 from pipeclamp_models.realise.scalar_law import ScalarLaw
 
-STEPS = 0.02
+STEPPING_FORCE_SHARE = 0.02
 """Share of the largest force so far by which one changes in a step that steps."""
 
 AGREES, NARROWEST = 1e-10, 1e-13
 """Shares of the largest force to which one is found, and to which it is enclosed where the law's steps over it."""
 
-MOST_TRIALS, MOST_SWEEPS = 200, 60
+MOST_TRIALS_A_SWEEP, MOST_SWEEPS = 200, 60
 """Of one clamp in one sweep; and sweeps over all clamps of a step."""
 
 _VECTOR, _MATRIX, _NUMBER, _PLACE = types.float64[::1], types.float64[:, ::1], types.float64, types.int64
@@ -62,7 +62,7 @@ def _enclosed(clamp, place, held, states, before, y0, v0, by_y, by_v, guess, h, 
     # The answer falls with the force: between a force and its answer lies the one that agrees.
     high = low + at_low
     at_high = clamp(place, held, states, before, y0 + by_y * high, v0 + by_v * high, h, after) - high
-    for trial in range(MOST_TRIALS):
+    for trial in range(MOST_TRIALS_A_SWEEP):
         if abs(at_high) <= AGREES * scale:
             return high
         if abs(high - low) <= NARROWEST * scale:
@@ -140,7 +140,7 @@ def marched(  # type: ignore[no-untyped-def]
         begun = moved + (held_loads - sloped_loads) @ last
         _solved(clamp, held, states, now, seen @ begun, straight, force, h, after, scale[0])
         moved_to = begun + sloped_loads @ force
-        if np.abs(force - last).max() > STEPS * scale[0]:
+        if np.abs(force - last).max() > STEPPING_FORCE_SHARE * scale[0]:
             _solved(clamp, held, states, now, seen @ moved, whole, force, h, after, scale[0])
             moved_to = moved + held_loads @ force
         start[:] = moved_to

@@ -16,7 +16,7 @@ from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.description.excitation import sine_amplitude
 from pipeclamp_system.description.system import ClampSource, ResponseTable, SystemDescription
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.clamp import SAMPLES, SteadyClamp, samples_of_law
+from pipeclamp_system.steady.clamp import SAMPLES_PER_CYCLE, SteadyClamp, samples_of_law
 
 AROUND = 0.7
 """Of the excitation's frequency: where the response begins unless told, and the inverse of where it ends."""
@@ -40,7 +40,7 @@ def response_table(description: SystemDescription, where: str) -> ResponseTable:
 
 
 def steady_clamp(
-    source: ClampSource, folder: Path, temperature: float | None, where: str, samples: int = SAMPLES
+    source: ClampSource, folder: Path, temperature: float | None, where: str, samples: int = SAMPLES_PER_CYCLE
 ) -> SteadyClamp:
     """Give a clamp of a system as harmonic balance needs it; a temperature in degC stands in for its own.
 
@@ -96,7 +96,7 @@ def ranges_of(file: LawFile) -> dict[str, Interval]:
 
 def steady_clamps(
     description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, where: str,
-    samples: int = SAMPLES,
+    samples: int = SAMPLES_PER_CYCLE,
 ) -> list[tuple[int, SteadyClamp]]:  # fmt: skip
     """Give the clamps of a system and which of the pipe's each is; arguments as of `steady_system` and `steady_clamp`.
 

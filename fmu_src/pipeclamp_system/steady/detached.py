@@ -25,10 +25,10 @@ from pipeclamp_system.steady.states import SteadyState
 HIGHEST = 4.0
 """Levels up to which, of the one that is asked for, the excitation is raised."""
 
-PLACES = 12
+FREQUENCIES_SOUGHT = 12
 """Frequencies at which branches are sought, evenly spread inside the range."""
 
-SAME = 1e-3
+SAME_STATE_SHARE = 1e-3
 """States whose unknowns differ by less, as a share of their size, are one; in other harmonics what these may
 move is added."""
 
@@ -38,7 +38,7 @@ LOOKS = 10
 MOST_HALVES = 20
 """No branch passes its first frequency more often."""
 
-STEPS = Steps(first=0.05, longest=0.2)
+PATH_STEPS = Steps(first=0.05, longest=0.2)
 
 
 def leaving_branches(
@@ -102,7 +102,7 @@ def detached_branches(
     found: list[tuple[SteadyState, ...]] = []
     if not system.clamps:  # without laws all is linear
         return ()
-    for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
+    for frequency in np.linspace(first, last, FREQUENCIES_SOUGHT + 2)[1:-1].tolist():
         waiting = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
         # Where a response that was given up has a gap, it begins at rest.
         unseen = [] if waiting else [start for start in [grown(system, frequency)] if start is not None]
@@ -142,7 +142,7 @@ def _same(system: SteadySystem, *two: Array) -> bool:
     """
     size = min(motion.size for motion in two)
     one, other = (system.in_so_many(motion, size) for motion in two)
-    apart = SAME if two[0].size == two[1].size else SAME + 2 * TRUNCATED
+    apart = SAME_STATE_SHARE if two[0].size == two[1].size else SAME_STATE_SHARE + 2 * TRUNCATED
     return any(np.abs(one - it).max() <= apart * np.abs(it).max() for it in (other, system.mirrored(other)))
 
 
@@ -154,7 +154,7 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
     """Give the states of a frequency (Hz) to which a higher or a lower level leads from one of them."""
     size = float(system.sizes(unknowns[None])[0])
     for end in (HIGHEST, 0.0):
-        *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, STEPS)
+        *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, PATH_STEPS)
         back = with_sides(system, there.unknowns, frequency) if there.parameter == 1.0 else None
         if back is not None and not _same(system, back, unknowns):
             yield back
@@ -191,7 +191,7 @@ def _half_by_half(system: SteadySystem, start: Solution, ends: tuple[float, floa
 def _is_mirrored(system: SteadySystem, point: Solution) -> bool:
     """Tell whether a motion has a mirror image that isn't itself and that is balanced too."""
     mirrored = system.mirrored(point.unknowns)
-    size = SAME * float(np.abs(mirrored).max())
+    size = SAME_STATE_SHARE * float(np.abs(mirrored).max())
     unbalanced = np.abs(system.over_frequency()(mirrored, point.parameter)[0]).max()
     return bool(np.abs(mirrored - point.unknowns).max() > size >= unbalanced)
 

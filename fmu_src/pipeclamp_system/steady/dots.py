@@ -12,16 +12,16 @@ from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import SystemDescription
 
-SETTLED = 1e-3
+TRANSIENT_LEFT = 1e-3
 """A co-simulation runs until its transient has fallen to this share."""
 
-FEWEST_CYCLES, MOST_CYCLES, LAST_CYCLES = 15, 600, 4
+FEWEST_CYCLES_RUN, MOST_CYCLES_RUN, LAST_CYCLES = 15, 600, 4
 """Of a co-simulation; its amplitude is that of the last ones, which come after the others."""
 
-FEWEST_STEPS = 16
+FEWEST_STEPS_PER_CYCLE = 16
 """Of a cycle."""
 
-CLOSE = 0.01
+CLOSE_SHARE = 0.01
 """Share of the energy that the coupling may make, of a clamp's motion that may pass between the steps, and of the
 amplitude by which a dot may be off the curve before a finer run must confirm it."""
 
@@ -95,8 +95,8 @@ def co_simulated(
     """Co-simulate a system at one frequency until its transient is gone.
 
     The run is as long as the slowest stable state asks for, and longer where it still moves. The step is halved until
-    the coupling neither makes nor hides more than `CLOSE`, and until the dot lies on the curve or stands still where it
-    is. Both are needed: two steps that meet the same mode of the pipe agree with each other.
+    the coupling neither makes nor hides more than `CLOSE_SHARE`, and until the dot lies on the curve or stands still
+    where it is. Both are needed: two steps that meet the same mode of the pipe agree with each other.
 
     Args:
         system: its FMUs finished.
@@ -111,8 +111,8 @@ def co_simulated(
     """
     shaken = _shaken(system, temperature, level, frequency)
     longest = 1 / (frequency * _steps_a_cycle(system))
-    cycles = max((_cycles_to(rest, frequency) for rest in stable), default=MOST_CYCLES)
-    cycles = min(max(cycles, FEWEST_CYCLES), MOST_CYCLES)
+    cycles = max((_cycles_to(rest, frequency) for rest in stable), default=MOST_CYCLES_RUN)
+    cycles = min(max(cycles, FEWEST_CYCLES_RUN), MOST_CYCLES_RUN)
     halvings, before = 0, None
     while True:
         step = longest / 2**halvings
@@ -125,15 +125,15 @@ def co_simulated(
                 raise
             halvings += 1
             continue
-        if result.unsettled and cycles < MOST_CYCLES:  # beside a fold it lingers where there is no state any more
-            cycles = min(2 * cycles, MOST_CYCLES)
+        if result.unsettled and cycles < MOST_CYCLES_RUN:  # beside a fold it lingers where there is no state any more
+            cycles = min(2 * cycles, MOST_CYCLES_RUN)
             continue
         names = (*result.clamp_names, *result.probe_names)
         found = tuple(1e3 * result.amplitude(f"{name}.s", LAST_CYCLES / (cycles + LAST_CYCLES)) for name in names)
         near = min(stable, key=lambda rest: abs(rest.amplitudes[-1] - found[-1]), default=None)
         expected = near.amplitudes if near else found
         moved = inf if before is None else largest_difference(found, before)
-        trusted = _well_coupled(result) and min(largest_difference(found, expected), moved) <= CLOSE
+        trusted = _well_coupled(result) and min(largest_difference(found, expected), moved) <= CLOSE_SHARE
         if trusted or halvings == MOST_HALVINGS:
             settled = not result.unsettled and (near is None or _cycles_to(near, frequency) <= cycles)
             truncated = near.truncated if near else None
@@ -143,12 +143,12 @@ def co_simulated(
 
 
 def _cycles_to(rest: Rest, frequency: float) -> int:
-    """Give in how many cycles of a frequency (Hz) a transient to a state has fallen to `SETTLED`."""
-    return ceil(frequency * log(1 / SETTLED) / rest.decay)
+    """Give in how many cycles of a frequency (Hz) a transient to a state has fallen to `TRANSIENT_LEFT`."""
+    return ceil(frequency * log(1 / TRANSIENT_LEFT) / rest.decay)
 
 
 def _well_coupled(result: CosimResult) -> bool:
-    return max(result.coupling_share, result.hidden_share) <= CLOSE and not result.unsolved
+    return max(result.coupling_share, result.hidden_share) <= CLOSE_SHARE and not result.unsolved
 
 
 def _shaken(system: SystemDescription, temperature: float | None, level: float, frequency: float) -> SystemDescription:
@@ -170,4 +170,4 @@ def _steps_a_cycle(system: SystemDescription) -> int:
     """Give how many macro steps the system asks for in a cycle of its own excitation."""
     excitation = system.excitation
     middle = excitation.frequency_Hz or ((excitation.from_Hz or 0.0) + (excitation.to_Hz or 0.0)) / 2
-    return max(FEWEST_STEPS, round(1 / (middle * system.run.step_s)))
+    return max(FEWEST_STEPS_PER_CYCLE, round(1 / (middle * system.run.step_s)))

@@ -21,11 +21,11 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.steady.continuation import Equation, Refinement
+from pipeclamp_system.steady.continuation import Equation, Evaluated, HarmonicRefinement
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
-    FEWEST,
-    SMALLEST,
+    FEWEST_HARMONICS,
+    SMALLEST_MOTION_MM,
     left_out,
     packed,
     resized,
@@ -34,11 +34,8 @@ from pipeclamp_system.steady.harmonics import (
 )
 from pipeclamp_system.steady.in_time import InTime
 from pipeclamp_system.steady.receptance import Receptance
-from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, Step, step_of
-from pipeclamp_system.steady.tangents import linearised
-
-NUDGE = 1e-5
-"""By which share of its size an unknown is moved for a derivative."""
+from pipeclamp_system.steady.stepping import CELLS, FLAT, ForceStep, Friction, Rubbed, step_of
+from pipeclamp_system.steady.tangents import NUDGE, linearised
 
 
 class DrivenPipe:
@@ -79,10 +76,10 @@ class DrivenPipe:
         self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
         self._near: Array | None = None
-        self._refinement = Refinement(self._asked, self.in_so_many) if harmonics is None and clamps else None
+        self._refinement = HarmonicRefinement(self._asked, self.in_so_many) if harmonics is None and clamps else None
 
     @cached_property
-    def rubbing(self) -> list[tuple[SteadyClamp, Step]]:
+    def rubbing(self) -> list[tuple[SteadyClamp, ForceStep]]:
         """The clamps in cells, and how their force steps with the velocity; none where none does."""
         # Of several clamps most of a cycle can be stuck: that takes minutes.
         step = step_of(self._clamps[0]) if self.clamps == 1 else None
@@ -107,7 +104,7 @@ class DrivenPipe:
     @property
     def harmonics(self) -> int:
         """H that is begun with; where it is stated, that of all motions."""
-        return self.stated_harmonics or min(FEWEST, self.most_harmonics)
+        return self.stated_harmonics or min(FEWEST_HARMONICS, self.most_harmonics)
 
     @property
     def size(self) -> int:
@@ -248,18 +245,18 @@ class DrivenPipe:
 
     def sizes(self, unknowns: Array) -> Array:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
-        return np.asarray(np.maximum(SMALLEST, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
+        return np.asarray(np.maximum(SMALLEST_MOTION_MM, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
 
     def over_frequency(self) -> Equation:
         """Give the balance at the stated level of the excitation as an equation in unknowns and frequency."""
 
-        def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
+        def equation(unknowns: Array, frequency: float) -> Evaluated:
             two = frequency * np.array([1.0, 1 + NUDGE])
             drives = np.array([self.excitation(one) for one in two.tolist()])
             residual, by_unknowns, ahead = self.linearised(
                 unknowns, two, drives, self.responses(two, self.up_to(unknowns)), rubbing=True
             )
-            return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
+            return Evaluated(residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0]))
 
         return Equation(equation, self._refinement)
 
@@ -267,17 +264,17 @@ class DrivenPipe:
         """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
         at, drive = np.array([frequency]), np.array([self.excitation(frequency)])
 
-        def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
+        def equation(unknowns: Array, level: float) -> Evaluated:
             responses = self.responses(at, self.up_to(unknowns))
             residual, by_unknowns, _ = self.linearised(unknowns, at, level * drive, responses)
             pushed = np.zeros((1, self.clamps, responses.shape[3]), dtype=np.complex128)
             pushed[0, :, 1] = -1j * drive * responses[0, : self.clamps, 0, 1]
-            return residual, by_unknowns, -packed(pushed)[0]
+            return Evaluated(residual, by_unknowns, -packed(pushed)[0])
 
         def asked(unknowns: Array, level: float) -> int:
             return self._asked(unknowns, frequency, level)
 
-        return Equation(equation, self._refinement and Refinement(asked, self.in_so_many))
+        return Equation(equation, self._refinement and HarmonicRefinement(asked, self.in_so_many))
 
     def up_to(self, unknowns: Array) -> int:
         """Give H of unknowns (m,)."""

@@ -9,7 +9,7 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
 MOST_ROUNDS = 200
-SETTLED = 1e-3
+SETTLED_SHARE = 1e-3
 """How often springs are told anew, at most, and the change of the motion, as a share, from which on they are near
 enough: whoever takes them goes on from there."""
 TAKEN = 0.5
@@ -50,6 +50,6 @@ def equivalent(
             return None
         change = float(np.abs(moved - motion[0, :, 1]).max() / np.abs(moved).max())
         motion[0, :, 1] = (1 - TAKEN) * motion[0, :, 1] + TAKEN * moved
-        if change < SETTLED:
+        if change < SETTLED_SHARE:
             break
     return motion[0], stiffness

@@ -11,10 +11,10 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
-SMALLEST = 1e-6
+SMALLEST_MOTION_MM = 1e-6
 """mm: no motion is taken for smaller."""
 
-FEWEST = 3
+FEWEST_HARMONICS = 3
 """Harmonics that are balanced at least, unless told."""
 
 A_HARMONIC = 4
@@ -23,7 +23,7 @@ A_HARMONIC = 4
 TRUNCATED = 1e-3
 """Share of a motion's rms that the harmonics which are left out may have."""
 
-DOUBTFUL = 0.01
+DOUBTFUL_SHARE = 0.01
 """Share from which on a response isn't to be trusted."""
 
 SPARE = 0.5
@@ -32,7 +32,7 @@ SPARE = 0.5
 NEEDLESS = 0.25
 """Of that share: harmonics that have less are left out again."""
 
-STILL = 1e-3
+STILL_SHARE = 1e-3
 """A point that moves less than this share of the farthest moving one is held against that."""
 
 
@@ -63,7 +63,7 @@ def left_out(moved: ComplexArray) -> Array:
     """
     squares = np.abs(moved[:, 1:]) ** 2
     whole = squares.sum(axis=1)
-    whole = np.maximum(whole, STILL**2 * whole.max(initial=0.0))
+    whole = np.maximum(whole, STILL_SHARE**2 * whole.max(initial=0.0))
     beyond = np.cumsum(squares[:, ::-1], axis=1)[:, ::-1]
     shares = np.sqrt(beyond / np.where(whole > 0, whole, 1.0)[:, None]).max(axis=0, initial=0.0)
     return np.append(shares, 0.0)
@@ -80,5 +80,5 @@ def wanted(shares: Array, now: int, most: int) -> int:
     if shares[now] > TRUNCATED:
         enough = int(np.argmax(shares <= SPARE * TRUNCATED))
         return min(most, max(enough, now + 2))
-    fewer = max(FEWEST, int(np.argmax(shares <= NEEDLESS * TRUNCATED)))
+    fewer = max(FEWEST_HARMONICS, int(np.argmax(shares <= NEEDLESS * TRUNCATED)))
     return fewer if fewer < now - 1 else now

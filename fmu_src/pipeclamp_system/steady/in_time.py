@@ -23,33 +23,33 @@ from pipeclamp_models.steps.tracker import AVERAGING, amplitude_and_frequency
 from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of
 from pipeclamp_system.transient.modal_step import modal_step
 
-FEWEST_STEPS, MOST_STEPS, STEPS_A_PERIOD = 1024, 16384, 10
+FEWEST_STEPS_PER_CYCLE, MOST_STEPS_PER_CYCLE, STEPS_A_PERIOD = 1024, 16384, 10
 """Of a cycle; and of the period of the pipe's highest mode, at least."""
 
 ERRS = 2e-3
 """Share of a motion's rms by which it may change where its steps are halved."""
 
-FEWEST_CYCLES, MOST_CYCLES = 10, 600
+FEWEST_CYCLES_MARCHED, MOST_CYCLES_MARCHED = 10, 600
 """That are marched until the motion repeats."""
 
-REPEATS = 2e-4
+REPEATING_SHARE = 2e-4
 """Share of a motion's rms that it may still be off a motion that repeats."""
 
 LATELY = 5
 """Cycles over which the rate is told at which a motion comes to repeat."""
 
-TELLS = 1e-9
+TELLING_SHARE = 1e-9
 """Share of a motion's rms below which the change from cycle to cycle tells no rate any more."""
 
 HOPELESS, LOOKED_BACK = 150, 40
 """Cycles after which a march ends whose changes don't die out fast enough; they are held against those so many cycles
 before."""
 
-ROUND, LONGEST_ROUND, KEPT = 2e-3, 12, 48
+ROUND_SHARE, LONGEST_ROUND, KEPT = 2e-3, 12, 48
 """Share by which a motion that comes round in several cycles may be off itself then, most of these cycles, and cycles
 that are kept to tell."""
 
-HARMONICS = 128
+HARMONICS_TOLD = 128
 """That a motion is told by, from 0."""
 
 
@@ -75,7 +75,7 @@ class Standing:
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class MarchedMotion:
     """A motion under a sine to which a march came.
 
     Attributes:
@@ -115,7 +115,7 @@ class InTime:
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), self._shaken.size)
         self._points = MM * np.vstack([shapes, probes])
         self._scalar = [scalar_law(clamp.law) for clamp in clamps]
-        self._from_rest: dict[tuple[float, float], Marched | None] = {}
+        self._from_rest: dict[tuple[float, float], MarchedMotion | None] = {}
 
     @cached_property
     def _machine(self) -> Callable[..., float]:
@@ -138,7 +138,7 @@ class InTime:
             conditions.reshape(count, 2),
         )  # fmt: skip
 
-    def at(self, frequency: float, drive: float, begin: Standing | None = None) -> Marched | None:
+    def at(self, frequency: float, drive: float, begin: Standing | None = None) -> MarchedMotion | None:
         """March at a frequency (Hz) under a sine of an amplitude (m/s2 or N) until the motion repeats.
 
         What begins at rest is remembered: a curve's beginning is asked for by all who look for it.
@@ -158,10 +158,10 @@ class InTime:
             self._from_rest[key] = self._in_steps_enough(frequency, drive, self.at_rest(frequency))
         return self._from_rest[key]
 
-    def _in_steps_enough(self, frequency: float, drive: float, begin: Standing) -> Marched | None:
+    def _in_steps_enough(self, frequency: float, drive: float, begin: Standing) -> MarchedMotion | None:
         """March until the motion repeats, in steps that are halved until that hardly changes it."""
         highest = float(np.sqrt(np.abs(np.linalg.eigvals(self._stiffness)).max())) / (2 * pi)
-        steps = max(FEWEST_STEPS, ceil(STEPS_A_PERIOD * highest / frequency))
+        steps = max(FEWEST_STEPS_PER_CYCLE, ceil(STEPS_A_PERIOD * highest / frequency))
         found = self._repeated(frequency, drive, begin, steps)
         if found is not None and found.round != 1:  # it may be the steps that keep it from repeating
             steps *= 2
@@ -175,41 +175,41 @@ class InTime:
             error = _rms(finer.points - found.points) / max(_rms(finer.points), 1e-300)
             cycles = found.cycles + finer.cycles
             found = replace(finer, cycles=cycles, error=error, decay=found.decay)
-            if error <= ERRS or steps >= MOST_STEPS:
+            if error <= ERRS or steps >= MOST_STEPS_PER_CYCLE:
                 return found
         return found
 
-    def _repeated(self, frequency: float, drive: float, begin: Standing, steps: int) -> Marched | None:
+    def _repeated(self, frequency: float, drive: float, begin: Standing, steps: int) -> MarchedMotion | None:
         """March in so many steps a cycle until the motion repeats."""
         march = _Cycles(self, frequency, drive, steps)
         kept: list[Array] = []
         changes: list[float] = []
         now = begin
-        for cycle in range(1, MOST_CYCLES + 1):
+        for cycle in range(1, MOST_CYCLES_MARCHED + 1):
             now, modal, forces = march.onward(now)
             if not np.all(np.isfinite(modal)):
                 return None
             kept = [*kept[1 - KEPT :], self._points @ modal[:, : self._shaken.size].T]
             if cycle > 1:
                 changes.append(_change(kept[-1], kept[-2]))
-            if cycle >= FEWEST_CYCLES and _missing(changes) <= REPEATS:
+            if cycle >= FEWEST_CYCLES_MARCHED and _missing(changes) <= REPEATING_SHARE:
                 return self._told(frequency, 1, cycle, changes, kept[-1:], forces, now)
-            if cycle % LOOKED_BACK == 0 and cycle >= HOPELESS and _too_slow(changes, MOST_CYCLES - cycle):
+            if cycle % LOOKED_BACK == 0 and cycle >= HOPELESS and _too_slow(changes, MOST_CYCLES_MARCHED - cycle):
                 break
         return self._told(frequency, _round(kept), cycle, changes, kept, forces, now)
 
     def _told(
         self, frequency: float, round_: int, cycles: int, changes: Sequence[float], kept: Sequence[Array],
         forces: Array, end: Standing,
-    ) -> Marched:  # fmt: skip
+    ) -> MarchedMotion:  # fmt: skip
         ranges = np.array([np.ptp(one, axis=1) / 2 for one in kept])
         # What a step ends with stands at its end: the last one is the cycle's beginning.
         points, into = (
-            harmonics_of(np.roll(signals, 1, axis=1), min(HARMONICS, signals.shape[1] // 2))
+            harmonics_of(np.roll(signals, 1, axis=1), min(HARMONICS_TOLD, signals.shape[1] // 2))
             for signals in (kept[-1], forces.T)
         )
         decay = frequency * log(max(_rate(changes), np.finfo(float).tiny))
-        return Marched(
+        return MarchedMotion(
             frequency, round_, cycles, decay, 0.0, ranges.min(axis=0), ranges.max(axis=0), points, into,
             end.conditions, end,
         )  # fmt: skip
@@ -288,7 +288,7 @@ def _change(after: Array, before: Array) -> float:
 
 def _rate(changes: Sequence[float]) -> float:
     """Give by which factor the change from cycle to cycle fell lately, while it told anything."""
-    telling = [change for change in changes if change > TELLS]
+    telling = [change for change in changes if change > TELLING_SHARE]
     if len(telling) < 2:
         return 0.0
     last = telling[-LATELY - 1 :]
@@ -298,7 +298,7 @@ def _rate(changes: Sequence[float]) -> float:
 def _missing(changes: Sequence[float]) -> float:
     """Give how far a motion still is from one that repeats: the rest of the geometric series of its changes."""
     last = max(changes[-3:])
-    if last <= TELLS:
+    if last <= TELLING_SHARE:
         return 0.0
     rate = _rate(changes)
     return last * rate / (1 - rate) if rate < 1 else np.inf
@@ -307,12 +307,12 @@ def _missing(changes: Sequence[float]) -> float:
 def _too_slow(changes: Sequence[float], left: int) -> bool:
     """Tell whether changes don't die out within the cycles that are left."""
     before, lately = (max(part) for part in (changes[-2 * LOOKED_BACK : -LOOKED_BACK], changes[-LOOKED_BACK:]))
-    return lately * (lately / before) ** (left / LOOKED_BACK) > REPEATS if lately < before else True
+    return lately * (lately / before) ** (left / LOOKED_BACK) > REPEATING_SHARE if lately < before else True
 
 
 def _round(kept: Sequence[Array]) -> int:
     """Give in how many cycles the last ones come round; 0 where they don't."""
     for length in range(1, LONGEST_ROUND + 1):
-        if max(_change(after, before) for before, after in zip(kept, kept[length:], strict=False)) <= ROUND:
+        if max(_change(after, before) for before, after in zip(kept, kept[length:], strict=False)) <= ROUND_SHARE:
             return length
     return 0

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray, IntArray
-from pipeclamp_system.steady.driven import NUDGE, DrivenPipe
+from pipeclamp_system.steady.driven import DrivenPipe
+from pipeclamp_system.steady.tangents import NUDGE
 
 MOST_CORRECTIONS = 40
-TOLERANCE = 1e-7
+MOTION_TOLERANCE = 1e-7
 """Of the motion: a derivative by differences of 1e-3 is then good to 1e-4."""
 SERVES = 0.25
 """Derivatives serve while each correction is smaller than this share of the one before."""
@@ -85,7 +86,7 @@ def balance(system: DrivenPipe, operation: Operation, guess: Array, slopes: Arra
         unknowns[open_rows] += change
         stale[open_rows] = moved > SERVES * last[open_rows]
         last[open_rows] = moved
-        found[open_rows] = moved <= TOLERANCE
+        found[open_rows] = moved <= MOTION_TOLERANCE
         if not np.all(np.isfinite(unknowns)) or found.all():
             break
     return Balanced(unknowns, kept, found & np.all(np.isfinite(unknowns), axis=1), responses)

@@ -7,7 +7,7 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.receptance import are_coupled, receptance
 
-SINGULAR = 1e14
+SINGULAR_CONDITION = 1e14
 """Condition of the stiffness from which on the pipe can move as a rigid body."""
 
 STATIC = 1e-3
@@ -27,7 +27,7 @@ class Receptance:
         """
         self._stiffness, self._damping, self._loads, self._observed = stiffness, damping, loads, observed
         self._coupled = are_coupled(stiffness, damping)
-        self.adrift = bool(np.linalg.cond(stiffness) >= SINGULAR)
+        self.adrift = bool(np.linalg.cond(stiffness) >= SINGULAR_CONDITION)
 
     def at(self, omega: Array) -> ComplexArray:
         """Give the response at frequencies of rows and orders (rows, h), rad/s: (rows, points, inputs, h)."""

@@ -25,7 +25,7 @@ from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import ranges_of, response_table, steady_system
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
-from pipeclamp_system.steady.harmonics import DOUBTFUL
+from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range, in_a_row
 
 RUN_IT = "; run sines there in time by `pipeclamp cosim`"
@@ -102,7 +102,9 @@ class FrequencyResponse:
     @property
     def left_out(self) -> bool:
         """Whether harmonics that are left out would move a motion by more than can be overlooked."""
-        return any(state.truncated > DOUBTFUL for curve in self.curves for piece in curve.pieces for state in piece)
+        return any(
+            state.truncated > DOUBTFUL_SHARE for curve in self.curves for piece in curve.pieces for state in piece
+        )
 
     @property
     def doubtful_dots(self) -> tuple[Dot, ...]:
@@ -149,14 +151,14 @@ class FrequencyResponse:
             f"harmonics balanced: {span}; those that are left out would move {worst.truncated:.1%} of the motion at "
             f"most, at {worst.frequency:.4g} Hz"
         )
-        if worst.truncated <= DOUBTFUL:
+        if worst.truncated <= DOUBTFUL_SHARE:
             return [line]
         pieces = [piece for curve in self.curves for piece in curve.pieces]
-        doubtful = _spans(stretches(pieces, lambda state: state.truncated > DOUBTFUL))
+        doubtful = _spans(stretches(pieces, lambda state: state.truncated > DOUBTFUL_SHARE))
         more = "the force steps there, or more can't be balanced; co-simulate there"
         if self.stated_harmonics:
             more = "leave harmonics out of [response], so that they follow the motion"
-        return [doubt(f"{line}; more than {DOUBTFUL:.0%} {doubtful}: {more}")]
+        return [doubt(f"{line}; more than {DOUBTFUL_SHARE:.0%} {doubtful}: {more}")]
 
     def about_ranges(self) -> list[str]:
         """Say where a clamp's law is used beyond the range of its data."""

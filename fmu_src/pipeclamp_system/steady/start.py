@@ -5,10 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.continuation import Equation, Solution, Steps, follow, solve
+from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution, Steps, follow, solve
 from pipeclamp_system.steady.driven import DrivenPipe
 from pipeclamp_system.steady.equivalent import equivalent
-from pipeclamp_system.steady.harmonics import DOUBTFUL, FEWEST, SMALLEST, SPARE, TRUNCATED, left_out, packed, resized
+from pipeclamp_system.steady.harmonics import (
+    DOUBTFUL_SHARE,
+    FEWEST_HARMONICS,
+    SMALLEST_MOTION_MM,
+    SPARE,
+    TRUNCATED,
+    left_out,
+    packed,
+    resized,
+)
 from pipeclamp_system.steady.truncation import truncated_at
 
 STICKING = 3
@@ -16,7 +25,7 @@ STICKING = 3
 a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
 
 
-NEAR = 0.01
+SAME_MOTION_SHARE = 0.01
 """Share of a motion that was marched by which a balanced one may be off it and still be the same."""
 
 
@@ -32,7 +41,7 @@ def begun(pipe: DrivenPipe, frequency: float) -> Array | None:
 
 
 def _strays(pipe: DrivenPipe, unknowns: Array, frequency: float) -> bool:
-    return truncated_at(pipe, unknowns, frequency, pipe.excitation(frequency)) > DOUBTFUL
+    return truncated_at(pipe, unknowns, frequency, pipe.excitation(frequency)) > DOUBTFUL_SHARE
 
 
 def settled(pipe: DrivenPipe, frequency: float) -> Array | None:
@@ -41,7 +50,7 @@ def settled(pipe: DrivenPipe, frequency: float) -> Array | None:
     if marched is None or marched.round != 1:
         return None
     motion = marched.points[: pipe.clamps]
-    asked = max(FEWEST, int(np.argmax(left_out(marched.points) <= SPARE * TRUNCATED)))
+    asked = max(FEWEST_HARMONICS, int(np.argmax(left_out(marched.points) <= SPARE * TRUNCATED)))
     H = pipe.stated_harmonics or min(asked, pipe.most_harmonics)
     guess = packed(resized(motion, H + 1)[None])[0]
     size = float(pipe.sizes(guess[None])[0])
@@ -49,7 +58,7 @@ def settled(pipe: DrivenPipe, frequency: float) -> Array | None:
     if found is None:
         return None
     near, there = (resized(one, H + 1) for one in (motion, pipe.unpacked(found[None])[0]))
-    return found if np.abs(near - there).max() <= NEAR * size else None
+    return found if np.abs(near - there).max() <= SAME_MOTION_SHARE * size else None
 
 
 def grown(pipe: DrivenPipe, frequency: float) -> Array | None:
@@ -75,7 +84,7 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
     guess, stiffness = told
     size = float(np.abs(guess).max())
 
-    def equation(unknowns: Array, share: float) -> tuple[Array, Array, Array]:
+    def equation(unknowns: Array, share: float) -> Evaluated:
         whole, by_unknowns, _ = pipe.linearised(unknowns, at, drive, responses, rubbing=True)
         rows = pipe.unpacked(np.vstack([np.zeros(unknowns.size), np.eye(unknowns.size)]))
         forces = stiffness[None, :, None] * rows
@@ -83,7 +92,8 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
         loaded = packed(pipe.under_forces(forces, drive, responses[:, : pipe.clamps]))
         springs = np.eye(unknowns.size) - (loaded[1:] - loaded[0]).T
         linear = springs @ unknowns - loaded[0]
-        return share * whole + (1 - share) * linear, share * by_unknowns + (1 - share) * springs, whole - linear
+        by_both = share * by_unknowns + (1 - share) * springs
+        return Evaluated(share * whole + (1 - share) * linear, by_both, whole - linear)
 
     turning = Equation(equation)
     begin = solve(turning, packed(guess[None])[0], 0.0, size)
@@ -99,7 +109,7 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
 def _grown_from_rest(pipe: DrivenPipe, frequency: float) -> Array | None:
     """Find the unknowns at a frequency by letting the excitation grow from nothing."""
     linear = pipe.excitation(frequency) * float(np.abs(pipe.responses(np.array([frequency]))[0, :, 0, 1]).max())
-    at_rest = solve(pipe.over_level(frequency), np.zeros(pipe.size), 0.0, SMALLEST)
+    at_rest = solve(pipe.over_level(frequency), np.zeros(pipe.size), 0.0, SMALLEST_MOTION_MM)
     if at_rest is None:
         return None
     path = list(follow(pipe.over_level(frequency), Solution(0.0, at_rest), 1.0, 0.1 * linear, Steps(longest=0.2)))

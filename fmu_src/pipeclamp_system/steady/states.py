@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray
-from pipeclamp_system.steady.clamp import SAMPLES, sampled
+from pipeclamp_system.steady.clamp import SAMPLES_PER_CYCLE, sampled
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,4 +117,4 @@ class FollowedResponse:
 
 def half_range(harmonics: ComplexArray) -> Array:
     """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
-    return np.asarray(np.ptp(sampled(harmonics, SAMPLES), axis=1) / 2)
+    return np.asarray(np.ptp(sampled(harmonics, SAMPLES_PER_CYCLE), axis=1) / 2)

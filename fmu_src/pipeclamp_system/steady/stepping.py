@@ -29,15 +29,15 @@ from pipeclamp_system.steady.tangents import Passage, Tangents, V, Y, along, ans
 CELLS = 1024
 """Of a cycle, in which the side is told."""
 
-SLOW, FLAT = 1e-3, 10.0
+SLOW_SHARE, FLAT = 1e-3, 10.0
 """Share of the largest velocity, and multiple of that within which a law smooths sgn v: below it a clamp's force lies
 between those of both sides there."""
 
-SLOWEST = 0.25
+SMOOTH_SHARE = 0.25
 """Share of the largest velocity up to which a law's own rounding of a step may reach: one that is wider is smooth in
 the few harmonics of a motion."""
 
-ROUND = 3e-4
+ROUNDED_SHARE = 3e-4
 """Share of the largest velocity within which the sign is rounded; at least as far as the law does."""
 
 A_DOUBLING, ALONG_ROUNDING = 2, 64
@@ -54,13 +54,13 @@ OPEN = 256
 """Cells in which the sign is rounded at first, at most: they cost by their square and more."""
 
 MOST_CORRECTIONS = 40
-SHORTEST = 1e-3
+SMALLEST_CORRECTION = 1e-3
 """Newton's corrections of the velocities, and the smallest share of one."""
 
 BALANCED = 1e-9
 """Share of the largest velocity to which they are found."""
 
-AT_ONCE = 3
+MOST_REVERSING_CELLS = 3
 """Cells in which a clamp that doesn't stick reverses, at most: what takes longer is rounded, and followed in them."""
 
 
@@ -94,11 +94,11 @@ class Sign:
         return np.sign(speeds) * side, slope, self._areas[place] + (self.sides[place] + slope * beyond / 2) * beyond
 
 
-STRAIGHT = Sign(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+STRAIGHT_SIGN = Sign(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class ForceStep:
     """How a clamp's force steps with the velocity.
 
     Attributes:
@@ -112,7 +112,7 @@ class Step:
     sign: Sign
 
 
-def step_of(clamp: SteadyClamp) -> Step | None:
+def step_of(clamp: SteadyClamp) -> ForceStep | None:
     """Tell how a clamp's force steps with the velocity, in the middle of its law's range; None where it doesn't.
 
     What grows with a small power of the velocity is steep, but no step; what grows up to a small velocity is one that
@@ -122,8 +122,8 @@ def step_of(clamp: SteadyClamp) -> Step | None:
     f = clamp.frequency or float(np.mean(clamp.range_f))
     cycle = clamp.cycle(np.array([[0.0, A]], dtype=np.complex128), np.array([f]))
     largest = float(np.abs(cycle.v).max())
-    sharp = max(SLOW * largest, FLAT * clamp.law.v_r)
-    widest = max(sharp, SLOWEST * largest)
+    sharp = max(SLOW_SHARE * largest, FLAT * clamp.law.v_r)
+    widest = max(sharp, SMOOTH_SHARE * largest)
     tried = np.geomspace(sharp, widest, 1 + int(np.ceil(A_DOUBLING * np.log2(widest / sharp))))
     once, twice = np.split(np.abs(_half_jumps(clamp, cycle, np.append(tried, 2 * tried))), 2)
     most = once.max(axis=1)
@@ -133,21 +133,21 @@ def step_of(clamp: SteadyClamp) -> Step | None:
     first = int(np.argmax(steps))
     slow = float(tried[first])
     if slow == sharp:
-        return Step(0.0, clamp.law.v_r, STRAIGHT)
+        return ForceStep(0.0, clamp.law.v_r, STRAIGHT_SIGN)
     speeds = np.linspace(0.0, slow, ALONG_ROUNDING)
     where = int(np.argmax(once[first]))
     sides = np.append(0.0, np.abs(_half_jumps(clamp, cycle, speeds[1:])[:, where]))
     sides /= sides[-1]
     width = 2 * float(np.sum(1 - (sides[1:] + sides[:-1]) / 2) * speeds[1])
-    return Step(slow, width, Sign(speeds / width, sides))
+    return ForceStep(slow, width, Sign(speeds / width, sides))
 
 
-def slow_speed(clamp: SteadyClamp, cycle: Motion, step: Step) -> float:
+def slow_speed(clamp: SteadyClamp, cycle: Motion, step: ForceStep) -> float:
     """Give the velocity below which a force lies between those of both sides, mm/s."""
-    return max(SLOW * float(np.abs(cycle.v).max()), FLAT * clamp.law.v_r, step.slow)
+    return max(SLOW_SHARE * float(np.abs(cycle.v).max()), FLAT * clamp.law.v_r, step.slow)
 
 
-def half_jumps(clamp: SteadyClamp, cycle: Motion, step: Step) -> Array:
+def half_jumps(clamp: SteadyClamp, cycle: Motion, step: ForceStep) -> Array:
     """Give half of what the force changes by from one side to the other, at rest, (n,)."""
     return np.asarray(_half_jumps(clamp, cycle, np.array([slow_speed(clamp, cycle, step)]))[0])
 
@@ -189,7 +189,7 @@ class Sides:
     answers: Array
 
 
-def means_of_sign(v: Array, rounded: float, shape: Sign = STRAIGHT) -> tuple[Array, Array]:
+def means_of_sign(v: Array, rounded: float, shape: Sign = STRAIGHT_SIGN) -> tuple[Array, Array]:
     """Give the mean of sgn v over cells in which v is straight, and its derivatives by v at both edges.
 
     Args:
@@ -220,7 +220,7 @@ class Friction:
     def __init__(
         self,
         clamps: Sequence[SteadyClamp],
-        steps: Sequence[Step],
+        steps: Sequence[ForceStep],
         frequency: float,
         responses: ComplexArray,
         balanced: int,
@@ -263,7 +263,7 @@ class Friction:
         moved = self.moved(forces)
         return Rubbed(self, self._given + moved, forces + self._slopes * moved, self._jumps, sides)
 
-    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: Step) -> ComplexArray:
+    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: ForceStep) -> ComplexArray:
         """Give what a clamp's force, but for its step, answers to fast small motions, N/mm, (h,)."""
         slow = slow_speed(clamp, cycle, step)
         v = np.where(cycle.v < 0, np.minimum(cycle.v, -slow), np.maximum(cycle.v, slow))
@@ -290,7 +290,7 @@ class Friction:
         The sign is rounded as little as it is to be at once, or else less and less.
         """
         largest = float(np.abs(edges).max(initial=0.0)) or 1.0
-        least = np.maximum(ROUND * largest, [step.width for step in self.steps])
+        least = np.maximum(ROUNDED_SHARE * largest, [step.width for step in self.steps])
         begin = edges + self._pushed(jumps * np.sign(edges))
         v, done = self._solved(edges, jumps, begin if near is None else near, least, BALANCED * largest)
         if not done:
@@ -336,7 +336,7 @@ class Friction:
                 if np.linalg.norm(error) < size:
                     break
                 share /= 2
-                if share < SHORTEST:
+                if share < SMALLEST_CORRECTION:
                     return v, False
             v = tried
         return v, False
@@ -417,7 +417,7 @@ class Rubbed:
             length = int(np.argmax(np.roll(whole, -first)))
             cells = np.arange(first, first + length) % CELLS
             before, after = first - 1, (first + length) % CELLS
-            if length <= AT_ONCE and side[before] * side[after] < 0:
+            if length <= MOST_REVERSING_CELLS and side[before] * side[after] < 0:
                 damping[cells] = 0.0
                 left[cells[length // 2]] = np.clip(change[after] / change[before], 0.0, 1.0)
         return Passage(damping, left)

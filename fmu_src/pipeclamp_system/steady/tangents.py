@@ -10,12 +10,12 @@ from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.realise.arrays import realise
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
-from pipeclamp_models.realise.states import SETTLED, trail
+from pipeclamp_models.realise.states import SETTLED_SHARE, trail
 from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of
-from pipeclamp_system.steady.harmonics import SMALLEST
+from pipeclamp_system.steady.harmonics import SMALLEST_MOTION_MM
 
 NUDGE = 1e-5
-"""By which share of its size an argument is moved for a derivative."""
+"""By which share of its size an argument or an unknown is moved for a derivative."""
 
 KINKED = 1e-3
 """By which share a derivative by differences is off one side's where the other side's is in it."""
@@ -129,7 +129,7 @@ def _states_before(slopes: Array, inputs: Array, first: Array) -> Array:
     start = np.hstack([first, np.eye(count)])
     after = trail(start[None], np.ascontiguousarray(slopes.transpose(2, 0, 1))[None], added[None])[0]
     before = np.concatenate([start[None], after[:-1]])
-    to_begin = np.linalg.pinv(np.eye(count) - after[-1, :, rows:], rcond=SETTLED)
+    to_begin = np.linalg.pinv(np.eye(count) - after[-1, :, rows:], rcond=SETTLED_SHARE)
     begin = to_begin @ (after[-1, :, :rows] - first)
     return np.asarray((before[:, :, :rows] + before[:, :, rows:] @ begin).transpose(1, 2, 0))
 
@@ -153,7 +153,7 @@ def along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     own = len(still)
     at = np.stack([*still, *(np.roll(state[0], 1) for state in along_cycle.states)])
     least = np.full((len(at), 1), np.finfo(float).tiny)
-    least[[Y, BEFORE]] = SMALLEST  # at rest a law may give a force, beside which less than that is lost
+    least[[Y, BEFORE]] = SMALLEST_MOTION_MM  # at rest a law may give a force, beside which less than that is lost
     nudges = NUDGE * np.maximum(np.abs(at).max(axis=1, keepdims=True), least) * np.ones_like(at)
     nudges[V] = np.maximum(nudges[V], np.abs(a) * h / 2)
     each = np.eye(len(at))[:, :, None] * nudges

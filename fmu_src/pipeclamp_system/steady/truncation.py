@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray
-from pipeclamp_system.steady.driven import NUDGE, DrivenPipe
-from pipeclamp_system.steady.harmonics import STILL, left_out, packed
+from pipeclamp_system.steady.driven import DrivenPipe
+from pipeclamp_system.steady.harmonics import STILL_SHARE, left_out, packed
+from pipeclamp_system.steady.tangents import NUDGE
 
 STEEP = 100.0
 """Change of a motion over that of the frequency, both as shares, beyond which the path turns: what a motion is off by
@@ -49,7 +50,7 @@ def truncated(pipe: DrivenPipe, unknowns: Array, at: Array, drive: Array, forces
         change = along[:-1]
     moved = np.abs(pipe.unpacked(change[None])[0, :, 1:]) ** 2
     squares = (np.abs(first[0, :, 1:]) ** 2).sum(axis=1)
-    held = np.maximum(squares[: pipe.clamps], STILL**2 * squares.max(initial=0.0))
+    held = np.maximum(squares[: pipe.clamps], STILL_SHARE**2 * squares.max(initial=0.0))
     answered = float(np.sqrt((moved.sum(axis=1) / np.where(held > 0, held, 1.0)).max(initial=0.0)))
     rest = 1 - H / forces.shape[2]
     return float(max(answered / rest, left_out(first[0])[H]))

@@ -16,7 +16,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeclamp_fmu.build import version
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.toml_file import Number, Table, read_table, read_toml, unknown, validated
+from pipeclamp_models.base.toml_file import Number, TomlTable, read_table, read_toml, unknown, validated
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_system.bands.band import steps_of
 from pipeclamp_system.bands.described import refuse_unknown
@@ -31,7 +31,7 @@ NUMBER = "system.clamps.number"
 Values = Mapping[str, float]
 
 
-class Range(Table):
+class Range(TomlTable):
     """Evenly spaced values, both ends included."""
 
     start: Number
@@ -45,7 +45,7 @@ Varied = Annotated[
 ]
 
 
-class StudyDescription(Table):
+class StudyDescription(TomlTable):
     """A study: every combination of what is varied is one case.
 
     Attributes:

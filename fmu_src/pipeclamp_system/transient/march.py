@@ -19,13 +19,12 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_models.realise.arrays import realise
+from pipeclamp_system.coupling.march import SMALLEST_MOTION
 from pipeclamp_system.transient.modal_step import modal_step
 
-SHIFT = 1e-3
+LAST_CORRECTION_SHARE = 1e-3
 """Share of the largest motion so far by which a correction may move the clamps and still be the last one."""
 MOST_CORRECTIONS = 6
-SMALLEST = 1e-12
-"""m and m/s: below this nothing moves."""
 NUDGE = 1e-3
 """Of a law's v_r (mm/s) and y_r (mm): by so much motion is moved for the slopes of a force."""
 BLOCK = 512
@@ -51,7 +50,7 @@ class Variant:
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class MarchedModels:
     """What B models say.
 
     Attributes:
@@ -66,7 +65,7 @@ class Marched:
 
 
 @one_thread()
-def march(variants: Sequence[Variant], drive: Array, step: float, every: int, orders: Sequence[int]) -> Marched:
+def march(variants: Sequence[Variant], drive: Array, step: float, every: int, orders: Sequence[int]) -> MarchedModels:
     """March models from rest through an excitation.
 
     Args:
@@ -87,7 +86,7 @@ def march(variants: Sequence[Variant], drive: Array, step: float, every: int, or
     kept[0, :, size:] = np.hstack([now, np.full((count, 1), drive[0])])
     filled, done = 1, 0
     seen = np.empty((count, samples, modal.seen.shape[1]))
-    largest = np.full((count, 2 * clamps), SMALLEST)
+    largest = np.full((count, 2 * clamps), SMALLEST_MOTION)
     with np.errstate(all="ignore"):
         for index in range(1, drive.size):
             given[:, size : size + clamps], given[:, size + clamps : size + 2 * clamps] = before, now
@@ -100,7 +99,7 @@ def march(variants: Sequence[Variant], drive: Array, step: float, every: int, or
                 force = force + change
                 shift = (modal.answers @ change[:, :, None])[:, :, 0]
                 np.maximum(largest, np.abs(moved), out=largest)
-                if not np.any(np.abs(shift) > SHIFT * largest):
+                if not np.any(np.abs(shift) > LAST_CORRECTION_SHARE * largest):
                     break
             if remember:
                 laws.accept(free[:, size:] + (modal.answers @ force[:, :, None])[:, :, 0])
@@ -115,7 +114,7 @@ def march(variants: Sequence[Variant], drive: Array, step: float, every: int, or
                 seen[:, done : done + filled] = np.swapaxes(block, 1, 2)
                 done, filled = done + filled, 0
     probes = len(orders)
-    return Marched(seen[:, :, :probes], seen[:, :, probes : probes + clamps], seen[:, :, probes + clamps :])
+    return MarchedModels(seen[:, :, :probes], seen[:, :, probes : probes + clamps], seen[:, :, probes + clamps :])
 
 
 class _Modal:

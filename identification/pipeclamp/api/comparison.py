@@ -16,7 +16,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
     from pipeclamp_models.base.tables import pl
 
 
@@ -58,13 +58,14 @@ class Comparison(Shown):
         """Give answer, tables and sentences, as `pipeclamp compare` tells them."""
         return self._view
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give the page, as `pipeclamp compare --report` writes it."""
+        from pipeclamp.pages.page import Report
         from pipeclamp.pages.sections import comparison_page, comparison_title
 
         following = after_comparison(self.law.origin, self.tests.origin, self._held)
-        page = comparison_page([(self.law.file, self._held)], following)
-        return *comparison_title([self.law.file], self.tests.name), page
+        sections = comparison_page([(self.law.file, self._held)], following)
+        return Report(*comparison_title([self.law.file], self.tests.name), sections)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: its conditions (mm, Hz, degC), error and scatter as shares of the run's rms force."""
@@ -121,15 +122,16 @@ class LawsComparison(Shown):
         with one_thread():
             return laws_view(self._held)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give the page, as `pipeclamp compare --report` writes it."""
+        from pipeclamp.pages.page import Report
         from pipeclamp.pages.sections import comparison_page, comparison_title
         from pipeclamp_identification.comparison.laws import least_error
 
         best = least_error([held for _, held in self._held])
         title = comparison_title([file for file, _ in self._held], self.tests.name)
         following = after_comparison(self.laws[best].origin, self.tests.origin, self._held[best][1])
-        return *title, comparison_page(self._held, following)
+        return Report(*title, comparison_page(self._held, following))
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a law: its name, what it is made of, and its error as a share of the rms force."""

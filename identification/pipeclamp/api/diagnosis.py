@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
 from os import fspath
@@ -20,10 +20,10 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declaration_files import read_declaration
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
     from pipeclamp_models.base.tables import pl
 
 
@@ -55,7 +55,7 @@ class Diagnosis(Shown):
         return self._found.effects
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         return self._found.kind
 
@@ -92,12 +92,13 @@ class Diagnosis(Shown):
         """Give answer, tables and sentences, as `pipeclamp diagnose` tells them."""
         return self._view
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give the page, as `pipeclamp diagnose --report` writes it."""
+        from pipeclamp.pages.page import Report
         from pipeclamp.pages.sections import diagnosis_page
 
-        page = diagnosis_page(self.law.file, self._found, self.next_command)
-        return f"Diagnosis of {self.law.name}", f"against {self.tests.name}", page
+        sections = diagnosis_page(self.law.file, self._found, self.next_command)
+        return Report(f"Diagnosis of {self.law.name}", f"against {self.tests.name}", sections)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a candidate, best first: its error on left-out conditions, and the share that it explains."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
 from os import fspath
 from pathlib import Path
@@ -12,7 +12,7 @@ from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, Shown
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
-from pipeclamp_identification.discovery.proposal import Proposal, toml_of
+from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
 from pipeclamp_identification.workflow import discover as workflow
 from pipeclamp_identification.workflow.next_command import after_discovery
 from pipeclamp_identification.workflow.tests import silent
@@ -23,7 +23,7 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration_files import read_declaration
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
 
 COMMAND = "pipeclamp.discover"
 
@@ -37,7 +37,7 @@ class Discovery(Shown):
     `discover` makes one; its example shows what it holds.
     """
 
-    def __init__(self, before: Law, tests: Tests, found: Proposal) -> None:
+    def __init__(self, before: Law, tests: Tests, found: TermProposal) -> None:
         self.before = before
         self.tests = tests
         self._found = found
@@ -86,15 +86,16 @@ class Discovery(Shown):
 
         return discovery_view(self._found, self._next)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give the page, as `pipeclamp discover --report` writes it."""
         from pipeclamp.pages.discovery import discovery_page
+        from pipeclamp.pages.page import Report
 
         files = [self.before.file, *([self._found.after] if self._found.after else [])]
         with one_thread():
             laws = [(file, self.tests.tests.compare(file)) for file in files]
         title = f"Discovery on {self.tests.name}"
-        return title, f"what law {self.before.name} lacks", discovery_page(self._found, laws, self._next)
+        return Report(title, f"what law {self.before.name} lacks", discovery_page(self._found, laws, self._next))
 
     def __repr__(self) -> str:
         """Give the tests and what is proposed."""

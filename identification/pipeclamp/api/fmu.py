@@ -12,14 +12,14 @@ from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.units import CELSIUS
 
-Kind = Literal["python", "native"]
+FmuKind = Literal["python", "native"]
 
 
 @one_thread()
 def build_fmu(
     law: Law | PathOrName,
     path: PathOrName,
-    kind: Kind = "python",
+    kind: FmuKind = "python",
     *,
     fmi: Literal[2, 3] = 2,
     platforms: Sequence[str] | None = None,
@@ -61,9 +61,9 @@ def build_fmu(
     'clamp.fmu'
     """
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
-    from pipeclamp_fmu.contents.clamp_model import Start
+    from pipeclamp_fmu.contents.clamp_model import ClampStart
 
-    start = Start(
+    start = ClampStart(
         A=None if amplitude is None else amplitude / 1000,
         f=frequency,
         T=None if temperature is None else temperature + CELSIUS,
@@ -88,7 +88,7 @@ def build_fmu(
 def build_pipe(
     pipe: PathOrName,
     path: PathOrName,
-    kind: Kind = "python",
+    kind: FmuKind = "python",
     *,
     fmi: Literal[2, 3] = 2,
     platforms: Sequence[str] | None = None,
@@ -132,7 +132,7 @@ def build_pipe(
     return target
 
 
-def _native(kind: Kind, fmi: int, platforms: Sequence[str] | None) -> bool:
+def _native(kind: FmuKind, fmi: int, platforms: Sequence[str] | None) -> bool:
     """Tell whether a native FMU is wanted.
 
     Raises:

@@ -16,7 +16,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
     from pipeclamp_models.base.tables import pl
 
 
@@ -65,11 +65,11 @@ class Import(Shown):
 
         return import_view(self.found)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give the page that stands in the campaign's folder."""
-        from pipeclamp.pages.imported import import_parts
+        from pipeclamp.pages.imported import import_report
 
-        return import_parts(self.found)
+        return import_report(self.found)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: file, amplitude (mm), frequency (Hz), temperature (degC), cycles."""

@@ -18,7 +18,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration_files import read_effects
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
 
 @one_thread()
@@ -114,7 +114,7 @@ def add(
     effect: PathOrName | Sequence[PathOrName] | Diagnosis,
     tests: Tests | PathOrName,
     *,
-    kind: Kind | None = None,
+    kind: NamedKind | None = None,
     progress: Progress = silent,
 ) -> Law:
     """Add an effect to a law and refit everything; a diagnosis that names two which help only together adds both.

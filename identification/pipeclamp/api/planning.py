@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,13 +15,13 @@ from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import plan_files
 from pipeclamp_identification.planning.loop_tests import RIG
 from pipeclamp_identification.planning.narrowing import BandPlan, plan_tests
-from pipeclamp_identification.planning.rig_times import HOURS, SCATTER
+from pipeclamp_identification.planning.rig_times import HOURS, SCATTER_BEFOREHAND
 from pipeclamp_models.base.files import write_folder
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.bundled import open_law
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
 
 
 class LoopTests(Shown):
@@ -39,7 +38,7 @@ class LoopTests(Shown):
         """Give its answer, tables and lines."""
         return band_plan_view(self.found, None)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give its page: title, subtitle, sections."""
         from pipeclamp.pages.narrowing import band_plan_page
 
@@ -64,7 +63,7 @@ class PlannedCampaign(Shown):
         """Give its answer, tables and lines."""
         return campaign_plan_view(self.found, None)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give its page: title, subtitle, sections."""
         from pipeclamp.pages.campaign_plan import campaign_plan_page
 
@@ -88,7 +87,7 @@ class PlannedCampaign(Shown):
 @one_thread()
 def plan_campaign(
     *, limits: str | None = None, hours: float = HOURS, law: PathOrName = "emwm2",
-    force_noise: float = RIG.force_noise, scatter: float = SCATTER,
+    force_noise: float = RIG.force_noise, scatter: float = SCATTER_BEFOREHAND,
 ) -> PlannedCampaign:  # fmt: skip
     """Plan the campaign that names the most and the smallest effects within its hours.
 
@@ -106,7 +105,7 @@ def plan_campaign(
     <campaign of 11 runs in 0.107 h>
     """
     reach = parse_limits(limits) if limits else None
-    asked = campaign.Asked(hours, force_noise, scatter)
+    asked = campaign.PlanRequest(hours, force_noise, scatter)
     return PlannedCampaign(campaign.plan_campaign(open_law(path_of(law, "a law")), reach, asked))
 
 

@@ -13,7 +13,7 @@ from pipeclamp.show.view import View
 from pipeclamp_models.base.errors import UserError
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
     from pipeclamp_models.base.tables import pl
 
 LEFT = "text-align: left"
@@ -40,8 +40,8 @@ class Shown:
         """Give its answer, tables and lines."""
         raise NotImplementedError
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
-        """Give its page: title, subtitle, sections."""
+    def page(self) -> Report:
+        """Give its page."""
         raise NotImplementedError
 
     def to_dict(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from pipeclamp_identification.workflow.tests import Tests as AnyTests
 from pipeclamp_models.base.one_thread import one_thread
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
     from pipeclamp_models.base.tables import pl
 
 
@@ -59,12 +59,14 @@ class Tests(Shown):
 
         return metrics_view(self.tests)
 
-    def page(self) -> tuple[str, str, Sequence[Section]]:
+    def page(self) -> Report:
         """Give the page of the loops' metrics, as `pipeclamp metrics --report` writes it."""
+        from pipeclamp.pages.page import Report
         from pipeclamp.pages.sections import metrics_page
         from pipeclamp_identification.workflow.next_command import after_import
 
-        return f"Loop metrics of {self.name}", self.tests.notes, metrics_page(self.tests, after_import(self.origin))
+        sections = metrics_page(self.tests, after_import(self.origin))
+        return Report(f"Loop metrics of {self.name}", self.tests.notes, sections)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: conditions (mm, Hz, degC), dW and W (J), loss factor, stiffness (N/mm), scatter."""

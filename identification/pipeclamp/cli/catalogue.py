@@ -29,7 +29,7 @@ def effects(
     from pipeclamp_models.law.catalogue import find_effect, listed, showable
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.declared import effect_of
-    from pipeclamp_models.realise.catalogue_answer import REFERENCE, catalogue_answer, reference_sizes
+    from pipeclamp_models.realise.catalogue_answer import TYPICAL_LAW, catalogue_answer, reference_sizes
 
     spare(*(declared or ()), outputs=(json,))
     names, declarations = read_effects([effect] if effect else [], declared or ())
@@ -49,7 +49,7 @@ def effects(
     symbols = shown.symbol_table(one)
     for table in (shown.parameter_table(one, reference_sizes([one])), *([symbols] if symbols.rows else [])):
         print_table(table, WIDTH)
-    put(f"Bounds and typical sizes are those for the bundled clamp {REFERENCE}.")
+    put(f"Bounds and typical sizes are those for the bundled clamp {TYPICAL_LAW}.")
     for line in shown.about_lines(one):
         put(line)
 

@@ -22,7 +22,7 @@ from pipeclamp.cli.terminal import (
     spare,
     told,
 )
-from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes
+from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER_BEFOREHAND, RigTimes
 from pipeclamp_models.base.errors import UsageError
 
 app = typer.Typer()
@@ -51,7 +51,9 @@ def plan(
         float | None,
         typer.Option(help="Rms noise of the force, N; that of the law's tests, for a campaign 3 N by default."),
     ] = None,
-    scatter: Annotated[float, typer.Option(help="Rms share by which k and c differ from run to run.")] = SCATTER,
+    scatter: Annotated[
+        float, typer.Option(help="Rms share by which k and c differ from run to run.")
+    ] = SCATTER_BEFOREHAND,
     heating: Annotated[float, typer.Option(help="Heating and cooling, K per minute.")] = RIG_TIMES.heating,
     soak: Annotated[float, typer.Option(help="Minutes at a new temperature before a run.")] = RIG_TIMES.soak_min,
     pause: Annotated[float, typer.Option(help="Seconds between two runs.")] = RIG_TIMES.pause_s,
@@ -82,7 +84,7 @@ def plan(
     assert output is not None
     from pipeclamp.show.campaign_plan import campaign_plan_view
     from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-    from pipeclamp_identification.planning.campaign import Asked, plan_campaign
+    from pipeclamp_identification.planning.campaign import PlanRequest, plan_campaign
     from pipeclamp_identification.planning.campaign_answer import plan_files
     from pipeclamp_identification.planning.loop_tests import RIG
     from pipeclamp_identification.workflow.next_command import after_campaign_plan
@@ -92,7 +94,7 @@ def plan(
     noise = RIG.force_noise if force_noise is None else force_noise
     with told("plan") as tell:
         reach = parse_limits(limits) if limits else None
-        asked = Asked(hours, noise, scatter, times=RigTimes(heating, soak, pause), seed=seed)
+        asked = PlanRequest(hours, noise, scatter, times=RigTimes(heating, soak, pause), seed=seed)
         found = plan_campaign(opened_law(law), reach, asked, tell)
     write_folder(output, plan_files(found, output.name, command_called()))
     following = after_campaign_plan(str(output))

@@ -112,11 +112,11 @@ def build_fmu(
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
     from pipeclamp_fmu.build import build_clamp, build_native_clamp, passivity
-    from pipeclamp_fmu.contents.clamp_model import Start
+    from pipeclamp_fmu.contents.clamp_model import ClampStart
     from pipeclamp_fmu.contents.clamp_of_law import clamp_model
     from pipeclamp_identification.workflow.next_built import after_clamp_fmu
 
-    start = Start(
+    start = ClampStart(
         A=None if amplitude is None else amplitude / 1000,
         f=frequency,
         T=None if temperature is None else temperature + CELSIUS,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import LOG_AXIS, MODEL, SERIES, Section, styled
+from pipeclamp.pages.page import LOG_AXIS, MODEL, SERIES, Report, Section, styled
 from pipeclamp.show.campaign_plan import campaign_plan_words, effects_table, stages_table
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.telling import NAMED
@@ -19,8 +19,8 @@ HOURS_WORDS = (
 )
 
 
-def campaign_plan_page(plan: CampaignPlan, following: NextStep | None = None) -> tuple[str, str, list[Section]]:
-    """Give the report of a plan: title, subtitle, sections; with what comes next, where that is known."""
+def campaign_plan_page(plan: CampaignPlan, following: NextStep | None = None) -> Report:
+    """Give the report of a plan, with what comes next where that is known."""
     words = [*campaign_plan_words(plan), *(following.before() if following else ())]
     sections = [
         Section("The plan", words, [stages_table(plan)], command=following.line if following else ""),
@@ -33,7 +33,7 @@ def campaign_plan_page(plan: CampaignPlan, following: NextStep | None = None) ->
         ),
         Section("In which order", ("The larger a dot, the larger the run's amplitude.",), (), [order_picture(plan)]),
     ]
-    return "Test plan", f"for a clamp like {plan.law}", sections
+    return Report("Test plan", f"for a clamp like {plan.law}", sections)
 
 
 def hours_picture(plan: CampaignPlan) -> go.Figure:

@@ -24,7 +24,7 @@ from pipeclamp.show.comparison import beside_even, found_words, how_much, parts_
 from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.comparison.laws import HeldLaw
+from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.digits import one_digit
@@ -46,7 +46,7 @@ def answer_words(comparison: Comparison) -> list[str]:
     return [*words, *(f"Note: {remark}." for remark in comparison.campaign.remarks)]
 
 
-def difference_section(comparison: Comparison, laws: Sequence[HeldLaw], title: str = "Difference") -> Section:
+def difference_section(comparison: Comparison, laws: Sequence[ComparedLaw], title: str = "Difference") -> Section:
     """Show what is measured less what each law gives, run by run, with the map over A and f to pick them from."""
     A, f, *further = comparison.conditions
     held = sorted((condition for condition in further if condition.varies), key=partial(_evenness, comparison))
@@ -85,7 +85,7 @@ def _along_loop_section(comparison: Comparison) -> Section:
     picture = along_loop_picture(
         ErrorBars(bars.title, bars.axis, middles, bars.error, bars.scatter),
         loop,
-        breakdown.PLACES[0][2],
+        breakdown.LOOP_PLACES[0][2],
         "Along the loop; near the reversals shaded",
     )
     words = (

@@ -7,11 +7,11 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Card, Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
 from pipeclamp.pages.sketch import sketch
-from pipeclamp.pages.waterfall import ESTIMATED, Rung
+from pipeclamp.pages.waterfall import ESTIMATED, RungBars
 from pipeclamp.show.diagnosis import LEAST_HELP, against, before_physics, candidate_table, helpful
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.comparison.sentences import sentence
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
@@ -25,7 +25,7 @@ SKETCHED = 4
 """Candidates that are told of and drawn, best first."""
 
 
-def diagnosis_answer(answer: Diagnosed) -> Section:
+def diagnosis_answer(answer: RecordDiagnosed) -> Section:
     """Give the first section of a diagnosis: its verdict, and why."""
     words = [answer.headline(), *before_physics(answer)]
     reasons = (*answer.diagnosis.reasons, *answer.untested(), *answer.cautions(), *answer.farthest_off())
@@ -37,7 +37,7 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
     return Section("Answer", words)
 
 
-def promised(diagnosis: Diagnosis) -> list[Rung]:
+def promised(diagnosis: Diagnosis) -> list[RungBars]:
     """Give the law as it is, and what the effects that it names would make of it; nothing else is promised.
 
     Of two that help only together neither is promised anything alone: they are added at once. Two that do nothing are
@@ -49,9 +49,9 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
     helps = pair is not None and explained_share(pair, diagnosis.law) >= LEAST_HELP
     coming = [*([] if both else named), *([pair] if pair and helps else [])] if diagnosis.effects else []
     return [
-        Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
+        RungBars("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
         *(
-            Rung(
+            RungBars(
                 f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}",
                 {ESTIMATED: judged.heldout_nrmse},
                 promised=True,
@@ -62,7 +62,7 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
     ]
 
 
-def evidence_sections(answer: Diagnosed) -> list[Section]:
+def evidence_sections(answer: RecordDiagnosed) -> list[Section]:
     """Give the evidence of a diagnosis: the candidates, what is left over, the next test."""
     diagnosis, leftover = answer.diagnosis, answer.diagnosis.leftover
     residual = curves_picture(
@@ -101,7 +101,7 @@ def _law_described(diagnosis: Diagnosis) -> str:
     return f"law with {' and '.join(effects)}" if effects else "law as it is"
 
 
-def _left_over_sentences(answer: Diagnosed) -> list[str]:
+def _left_over_sentences(answer: RecordDiagnosed) -> list[str]:
     if told := [sentence(word) for word in answer.left_over()]:
         return told
     diagnosis = answer.diagnosis

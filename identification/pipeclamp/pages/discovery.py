@@ -9,13 +9,13 @@ from pipeclamp.pages.sections import laws_sections
 from pipeclamp.pages.sketch import sketch
 from pipeclamp.pages.waterfall import rungs_of, waterfall_picture
 from pipeclamp.show.discovery import discovery_words, guards_table, rivals_table
-from pipeclamp_identification.discovery.proposal import Proposal
+from pipeclamp_identification.discovery.proposal import TermProposal
 from pipeclamp_identification.workflow.tests import Held
 from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.file import LawFile
 
 
-def discovery_page(proposal: Proposal, laws: Sequence[tuple[LawFile, Held]], next_command: str) -> list[Section]:
+def discovery_page(proposal: TermProposal, laws: Sequence[tuple[LawFile, Held]], next_command: str) -> list[Section]:
     """Give the page of a discovery.
 
     Args:

@@ -10,17 +10,19 @@ import numpy as np
 
 from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.drawn import MOST_POINTS, DrawnRun, drawn_runs
-from pipeclamp_identification.comparison.laws import HeldLaw
+from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array
 
 OF_ALL_RUNS = 80_000
 """Points of all runs' cycles together: more make a page that is slow to open."""
 LEAST_POINTS = 32
-FINEST = 32_767
+LARGEST_INT16 = 32_767
 
 
-def explored(loops: Loops, laws: Sequence[HeldLaw], conditions: Sequence[Condition], title: str) -> Mapping[str, Any]:
+def explored(
+    loops: Loops, laws: Sequence[ComparedLaw], conditions: Sequence[Condition], title: str
+) -> Mapping[str, Any]:
     """Give what a page needs to draw any run under any of the laws.
 
     Args:
@@ -76,5 +78,5 @@ def _run(run: DrawnRun, levels: Sequence[int], words: str) -> Mapping[str, Any]:
 
 def _packed(values: Array) -> Mapping[str, Any]:
     """Give samples as whole numbers of a step, two bytes each: finer than a picture shows."""
-    step = float(np.max(np.abs(values))) / FINEST or 1.0
+    step = float(np.max(np.abs(values))) / LARGEST_INT16 or 1.0
     return {"step": step, "int16": base64.b64encode(np.round(values / step).astype("<i2").tobytes()).decode("ascii")}

@@ -9,7 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.pages.alternative import words_of
-from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, plain, render, styled
+from pipeclamp.pages.page import GRID, MEASURED, SERIES, Report, Section, plain, render, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
 from pipeclamp.show.imported import (
     columns_table,
@@ -40,12 +40,12 @@ KEPT, CUT = SERIES[0], SERIES[1]
 
 def import_page(found: Found, called: Sequence[str] = ()) -> str:
     """Give the page of an import as HTML; `called` are the command's words, so that it can be said anew."""
-    return render(*import_parts(found, called))
+    return render(*import_report(found, called))
 
 
-def import_parts(found: Found, called: Sequence[str] = ()) -> tuple[str, str, list[Section]]:
-    """Give the title of an import's page, what stands below it, and the sections; `called` as for `import_page`."""
-    return f"Import of {found.name}", found.folder.name, import_sections(found, called)
+def import_report(found: Found, called: Sequence[str] = ()) -> Report:
+    """Give the page of an import; `called` as for `import_page`."""
+    return Report(f"Import of {found.name}", found.folder.name, import_sections(found, called))
 
 
 def import_sections(found: Found, called: Sequence[str] = ()) -> list[Section]:

@@ -17,7 +17,7 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
 from pipeclamp_models.realise.reading.text import equation_lines
 
-POINTS = 40
+POINTS_PER_AXIS = 40
 
 
 def law_sections(file: LawFile) -> list[Section]:
@@ -35,7 +35,7 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
     equations = law.equations
     compiled = realise(equations)
     ranges = {
-        name: np.linspace(file.range[name].minimum, file.range[name].maximum, POINTS)
+        name: np.linspace(file.range[name].minimum, file.range[name].maximum, POINTS_PER_AXIS)
         for name in compiled.slow
         if name in file.range and file.range[name].maximum > file.range[name].minimum
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pipeclamp.pages.diagnosis import drive_shown
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.waterfall import LEFT_OUT, Rung
+from pipeclamp.pages.waterfall import LEFT_OUT, RungBars
 from pipeclamp.show.metric_diagnosis import metric_candidate_table
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
@@ -24,11 +24,11 @@ def metric_diagnosis_answer(answer: MetricDiagnosed) -> Section:
     return Section("Answer", words, [metric_candidate_table(answer.diagnosis)], pictures)
 
 
-def metric_promised(diagnosis: MetricDiagnosis) -> list[Rung]:
+def metric_promised(diagnosis: MetricDiagnosis) -> list[RungBars]:
     """Give the law as it is, and what the effect that is named first would make of it."""
-    rungs = [Rung("law as it is", {LEFT_OUT: diagnosis.heldout[""]})]
+    rungs = [RungBars("law as it is", {LEFT_OUT: diagnosis.heldout[""]})]
     if diagnosis.named is not None:
         name = diagnosis.named.name
         explained = diagnosis.explained(diagnosis.named)
-        rungs.append(Rung(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True, explained=explained))
+        rungs.append(RungBars(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True, explained=explained))
     return rungs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import GRID, INK, LOG_AXIS, MODEL, SERIES, Section, styled
+from pipeclamp.pages.page import GRID, INK, LOG_AXIS, MODEL, SERIES, Report, Section, styled
 from pipeclamp.show.narrowing import band_plan_words, tests_table
 from pipeclamp_identification.planning.narrowing import BandPlan, Map, NextLoopTest
 from pipeclamp_identification.workflow.next_step import NextStep
@@ -17,8 +17,8 @@ MAP_WORDS = (
 )
 
 
-def band_plan_page(plan: BandPlan, following: NextStep | None = None) -> tuple[str, str, list[Section]]:
-    """Give the report of a plan: title, subtitle, sections; with what comes next, where that is known."""
+def band_plan_page(plan: BandPlan, following: NextStep | None = None) -> Report:
+    """Give the report of a plan, with what comes next where that is known."""
     words = [*band_plan_words(plan), *(following.before() if following else ())]
     maps = [map_picture(one, plan.tests) for one in plan.maps]
     sections = [
@@ -31,7 +31,7 @@ def band_plan_page(plan: BandPlan, following: NextStep | None = None) -> tuple[s
         ),
         Section("Where a test narrows the band", (MAP_WORDS,), (), maps),
     ]
-    return f"Next loop test for {plan.system}", f"peak at {plan.point}", sections
+    return Report(f"Next loop test for {plan.system}", f"peak at {plan.point}", sections)
 
 
 def steps_picture(plan: BandPlan) -> go.Figure:

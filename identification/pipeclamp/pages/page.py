@@ -10,7 +10,7 @@ from functools import lru_cache
 from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jinja2
 import plotly.graph_objects as go
@@ -169,6 +169,14 @@ def templates_of(package: str) -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+
+
+class Report(NamedTuple):
+    """What a page shows: its title, one line below it, and its sections."""
+
+    title: str
+    subtitle: str
+    sections: Sequence[Section]
 
 
 def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "") -> str:

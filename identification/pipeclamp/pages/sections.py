@@ -14,21 +14,20 @@ from pipeclamp.pages.law import law_sections
 from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_promised
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, Rung, rungs_of, waterfall_picture, with_promised
+from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, RungBars, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table, vain_words
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
-from pipeclamp.show.views import scatter_of
+from pipeclamp.show.views import known_scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import laws_held, least_error, stages_held
 from pipeclamp_identification.comparison.names import labels_of
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
-from pipeclamp_identification.workflow.tests import Held, Tests
+from pipeclamp_identification.workflow.tests import Diagnosed, Held, Tests
 from pipeclamp_models.law.file import LawFile
 
 
@@ -38,7 +37,7 @@ class _Parts:
 
     answer: Section
     held: Held
-    rungs: Sequence[Rung]
+    rungs: Sequence[RungBars]
     evidence: Sequence[Section]
 
 
@@ -78,7 +77,7 @@ def _diagnosed(found: object) -> _Parts:
 
 
 @_diagnosed.register
-def _(found: Diagnosed) -> _Parts:
+def _(found: RecordDiagnosed) -> _Parts:
     return _Parts(diagnosis_answer(found), found.comparison, promised(found.diagnosis), evidence_sections(found))
 
 
@@ -99,7 +98,7 @@ def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = ""
     words, tables = _answer(held), []
     if len(laws) > 1:
         words = [least_words([one for one, _ in laws], best), *words]
-        tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
+        tables = [laws_table([(one, against.nrmse, known_scatter_of(against)) for one, against in laws])]
     answer = Section("Answer", words, tables, _falling(file, ()), next_command)
     return [answer, *laws_sections(laws, best)]
 
@@ -126,7 +125,7 @@ def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:
     return f"{len(files)} laws against {tests}", "; ".join(labels_of(files))
 
 
-def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> list[Section]:
+def diagnosis_page(file: LawFile, found: Diagnosed, next_command: str) -> list[Section]:
     """Give the page of a diagnosis, with the command to run next below its verdict.
 
     Args:
@@ -191,7 +190,7 @@ def _difference(laws: Sequence[tuple[LawFile, Held]], about: int) -> list[Sectio
     return [difference_section(held, laws_held(records) if len(records) > 1 else stages_held(file, held))]
 
 
-def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
+def _falling(file: LawFile, next_rungs: Sequence[RungBars]) -> list[go.Figure]:
     """Draw a law's way, or its only step, and what would come next.
 
     Args:

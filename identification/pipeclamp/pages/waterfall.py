@@ -14,14 +14,15 @@ from pipeclamp.pages.page import MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.law.file import LawFile
 
 RUNG_WIDTH, WIDEST = 160, 1100
-"""px of a rung that holds a label of `LONGEST`, and of the picture from which on it is drawn so, however many rungs."""
+"""px of a rung that holds a label of `LONGEST_LABEL`, and of the picture from which on it is drawn so, however many
+rungs."""
 BESIDE, CHARACTER = 130, 7
 """px beside all rungs, and of a character."""
 OF_FORCE, OF_METRICS = "RMS error / % of rms force", "rms log ratio of dW and W / %"
 """What errors of records and of metrics alone are called."""
-LONGEST = 22
+LONGEST_LABEL = 22
 """Characters of a label beside others."""
-CLOSE = 3
+MOST_BARS_WITHOUT_UNIT = 3
 """Bars of a rung beside each other between whose numbers there is no room for the unit, which the axis has."""
 LINE_HEIGHT = 22
 """px, of a bar where rungs stand below each other."""
@@ -32,7 +33,7 @@ COLOURS = {USED: "#9fb3c8", LEFT_OUT: SERIES[0], ESTIMATED: "#5f9bd1"}
 
 
 @dataclass(frozen=True)
-class Rung:
+class RungBars:
     """One step of a law's way.
 
     Attributes:
@@ -48,15 +49,17 @@ class Rung:
     explained: float | None = None
 
 
-def rungs_of(file: LawFile) -> list[Rung]:
+def rungs_of(file: LawFile) -> list[RungBars]:
     """Give the rungs of a law's history."""
     return [
-        Rung(step.step, {USED: step.nrmse} | ({} if step.refitted_nrmse is None else {LEFT_OUT: step.refitted_nrmse}))
+        RungBars(
+            step.step, {USED: step.nrmse} | ({} if step.refitted_nrmse is None else {LEFT_OUT: step.refitted_nrmse})
+        )
         for step in file.history
     ]
 
 
-def with_promised(rungs: Sequence[Rung], now: Rung, coming: Sequence[Rung]) -> list[Rung]:
+def with_promised(rungs: Sequence[RungBars], now: RungBars, coming: Sequence[RungBars]) -> list[RungBars]:
     """Give a law's way, and what would come next.
 
     Args:
@@ -70,7 +73,7 @@ def with_promised(rungs: Sequence[Rung], now: Rung, coming: Sequence[Rung]) -> l
     return [*rungs[:-1], last, *coming]
 
 
-def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str = OF_FORCE) -> go.Figure:
+def waterfall_picture(rungs: Sequence[RungBars], scatter: float | None, title: str, axis: str = OF_FORCE) -> go.Figure:
     """Draw the error falling rung by rung, with the scatter that no law can explain as a line.
 
     In a narrow window the rungs stand below each other.
@@ -84,16 +87,16 @@ def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, 
     return with_narrow(_side_by_side(rungs, scatter, title, axis), _below_each_other(rungs, scatter, title, axis))
 
 
-def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
+def _side_by_side(rungs: Sequence[RungBars], scatter: float | None, title: str, axis: str) -> go.Figure:
     names = _names(rungs)
-    longest = min(LONGEST, (WIDEST - BESIDE) // (CHARACTER * max(len(rungs), 1)))
+    longest = min(LONGEST_LABEL, (WIDEST - BESIDE) // (CHARACTER * max(len(rungs), 1)))
     labels = [
         "<br>".join(
             [*(part for line in _name(index, rungs) for part in _wrapped(line, longest)), *_did(index, rungs, scatter)]
         )
         for index in range(len(rungs))
     ]
-    unit = " %" if len(names) < CLOSE else ""
+    unit = " %" if len(names) < MOST_BARS_WITHOUT_UNIT else ""
     figure = go.Figure(
         [
             go.Bar(
@@ -116,10 +119,10 @@ def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis
     return figure.update_layout(showlegend=True, margin={"r": 70, "b": 105}, bargap=0.25 if rungs[1:] else 0.75)
 
 
-def _below_each_other(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
+def _below_each_other(rungs: Sequence[RungBars], scatter: float | None, title: str, axis: str) -> go.Figure:
     """Draw the rungs from top to bottom: the words of each stand above its bars, as long as they are."""
     names = _names(rungs)
-    places: dict[str, list[tuple[float, Rung]]] = {name: [] for name in names}
+    places: dict[str, list[tuple[float, RungBars]]] = {name: [] for name in names}
     words, below = [], 0.0
     for index, rung in enumerate(rungs):
         for line in filter(None, (*_name(index, rungs), " ".join(_did(index, rungs, scatter)))):
@@ -159,12 +162,12 @@ def _below_each_other(rungs: Sequence[Rung], scatter: float | None, title: str, 
     return figure.update_layout(margin={"l": 10, "r": 10, "t": 70, "b": 55 + legend}, **legend_look)
 
 
-def _names(rungs: Sequence[Rung]) -> list[str]:
+def _names(rungs: Sequence[RungBars]) -> list[str]:
     """Give the names of the errors, in the order in which they come."""
     return list(dict.fromkeys(name for rung in rungs for name in rung.errors))
 
 
-def _look(name: str, rungs: Sequence[Rung]) -> dict[str, Any]:
+def _look(name: str, rungs: Sequence[RungBars]) -> dict[str, Any]:
     """Give the look of an error's bars; what is promised is hatched."""
     return {
         "name": name,
@@ -181,7 +184,7 @@ def _percent(error: float, unit: str = " %") -> str:
     return f"{100 * error:.3g}{unit}"
 
 
-def _name(index: int, rungs: Sequence[Rung]) -> list[str]:
+def _name(index: int, rungs: Sequence[RungBars]) -> list[str]:
     """Give a rung's name, one effect a line, so that the names stand beside each other."""
     label = rungs[index].label
     # a blank keeps those alike apart
@@ -208,7 +211,7 @@ def _broken(name: str, longest: int) -> list[str]:
     return lines
 
 
-def _did(index: int, rungs: Sequence[Rung], scatter: float | None) -> list[str]:
+def _did(index: int, rungs: Sequence[RungBars], scatter: float | None) -> list[str]:
     """Say what a rung did, in lines.
 
     A step that was done is told by what it took of the squared error, by the errors that are drawn; one that is

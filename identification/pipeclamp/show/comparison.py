@@ -9,7 +9,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
 from pipeclamp_identification.comparison.breakdown import (
     Breakdown,
-    Part,
+    ErrorPart,
 )
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
@@ -118,7 +118,7 @@ def parts_table(parts: Breakdown, *, even: bool = True, runs: bool = False, most
     header += ["share if even / %"] if even else []
     header += ["runs"] if runs else []
 
-    def row(part: Part) -> list[str | float | None]:
+    def row(part: ErrorPart) -> list[str | float | None]:
         beyond = None if part.squared_scatter is None else 100 * parts.excess_share(part)
         scatter = [percent(part.noise_nrmse)] if known else []
         return [

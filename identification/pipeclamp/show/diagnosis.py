@@ -7,13 +7,13 @@ from pathlib import Path
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.answer import RungAnswer, diagnosis_answer
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
 from pipeclamp_identification.fitting.groups_answer import group_words
-from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
+from pipeclamp_identification.workflow.tests import Diagnosed
 
 LEAST_HELP = 0.005
 """A candidate that takes less than half a percent of what is missing, which is shown as 0, does nothing."""
@@ -73,13 +73,15 @@ def helpful(diagnosis: Diagnosis) -> list[Judged]:
     return [one for one in diagnosis.candidates if explained_share(one, diagnosis.law) >= LEAST_HELP]
 
 
-def before_physics(found: Diagnosed) -> list[str]:
+def before_physics(found: RecordDiagnosed) -> list[str]:
     """Say what goes before any physics: sensors that fail or drift, and groups of runs that differ."""
     groups = group_words(found.groups)
     return [*(f"Sensors: {words}." for words in found.sensors()), *(f"Groups: {words}." for words in groups)]
 
 
-def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str, drive: Path | None) -> View:
+def diagnosis_view(
+    found: RecordDiagnosed, ladder: tuple[RungAnswer, ...], next_command: str, drive: Path | None
+) -> View:
     """Tell a diagnosis, the ladder before it, and the command to run next; sensors that fail, then its verdict."""
     return View(
         diagnosis_answer(found, ladder, next_command),
@@ -88,7 +90,7 @@ def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comman
     )
 
 
-def next_test_lines(found: AnyDiagnosed, drive: Path | None) -> list[str]:
+def next_test_lines(found: Diagnosed, drive: Path | None) -> list[str]:
     """Say which test is next, or why none is proposed, and where its drive signal is."""
     if found.proposal is None:
         lines = [f"No next test: {found.no_test}"] if found.no_test else []
@@ -97,7 +99,7 @@ def next_test_lines(found: AnyDiagnosed, drive: Path | None) -> list[str]:
     return [f"Next test: {found.proposal.words()}", f"  {where}: {found.proposal.drive_words()}"]
 
 
-def verdict_lines(found: AnyDiagnosed, next_command: str, drive: Path | None) -> list[str]:
+def verdict_lines(found: Diagnosed, next_command: str, drive: Path | None) -> list[str]:
     """Give the verdict, why, the test that would tell with the file of its drive signal, and what may be run next."""
     return [
         found.headline(),

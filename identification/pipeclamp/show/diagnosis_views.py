@@ -9,7 +9,7 @@ from pathlib import Path
 from pipeclamp.show import diagnosis, metric_diagnosis
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.answer import RungAnswer
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.workflow.climb import Rung
 
@@ -28,7 +28,7 @@ def diagnosis_view(found: object, ladder: Sequence[Rung], next_command: str, dri
 
 
 @diagnosis_view.register
-def _(found: Diagnosed, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
+def _(found: RecordDiagnosed, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
     return diagnosis.diagnosis_view(found, _rungs(ladder), next_command, drive)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.grammar import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
-from pipeclamp_identification.discovery.proposal import NumberAnswer, Proposal, formula_of
+from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
 from pipeclamp_identification.signals.digits import one_digit
 
 RIVALS_SHOWN = 5
@@ -20,7 +20,7 @@ def formula_read(formula: str) -> str:
     return formula
 
 
-def numbers_words(proposal: Proposal) -> str:
+def numbers_words(proposal: TermProposal) -> str:
     """Give the best term's fitted numbers, each with what it is, how sure and its unit."""
     return f"Its numbers: {', '.join(map(_number_words, proposal.numbers()))}."
 
@@ -31,7 +31,7 @@ def _number_words(number: NumberAnswer) -> str:
     return f"{number.meaning} {number.value:.3g}{error}{'' if number.unit == '-' else f' {number.unit}'}{where}"
 
 
-def discovery_words(proposal: Proposal) -> list[str]:
+def discovery_words(proposal: TermProposal) -> list[str]:
     """Say what came out, most important first."""
     found = proposal.found
     kinds = "springs, dampers, elements that slip or creep, factors on the law's coefficients"
@@ -63,20 +63,20 @@ def discovery_words(proposal: Proposal) -> list[str]:
     return [*words, tried]
 
 
-def guards_table(proposal: Proposal) -> Table:
+def guards_table(proposal: TermProposal) -> Table:
     """Give what was asked of the best term."""
     rows = [(one.name, "yes" if one.passed else "no", one.words) for one in proposal.guards]
     return Table(("asked", "passed", "with which figures"), rows, "what is asked before a term is proposed")
 
 
-def rivals_table(proposal: Proposal) -> Table:
+def rivals_table(proposal: TermProposal) -> Table:
     """Give the terms that do as well."""
     rivals = proposal.found.rivals if proposal.found else ()
     rows = [(one.acts_like, formula_read(formula_of(one.declaration))) for one in rivals]
     return Table(("acts like", "formula"), rows, "terms that do as well")
 
 
-def discovery_view(proposal: Proposal, next_command: str) -> View:
+def discovery_view(proposal: TermProposal, next_command: str) -> View:
     """Tell a discovery, and the command to run next."""
     tables = [guards_table(proposal)] if proposal.guards else []
     return View(proposal.answer(), tables, [*discovery_words(proposal), f"Next: {next_command}"])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 RULED, PLAIN = (3, 1), (2, -2)
 """Characters that each column's borders take, and the whole table's: with rules, and with spaces alone."""
-SHORT = 4
+SHORTEST_APART = 4
 """Letters of a symbol or word, whose unit stays beside it in a header: "f / Hz"."""
 FOLDED = 12
 """Letters, into which a word of a sentence may be cut where nothing else lets a table fit."""
@@ -18,7 +18,7 @@ _BOUND = "\0"
 
 
 @dataclass(frozen=True)
-class Layout:
+class TableLayout:
     """A table's cells as they are printed, each with its line breaks.
 
     Attributes:
@@ -34,7 +34,9 @@ class Layout:
     rows: Sequence[Sequence[str]]
 
 
-def layout(header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[bool], width: int) -> Layout | None:
+def layout(
+    header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[bool], width: int
+) -> TableLayout | None:
     """Lay a table out in at most so many characters; None where it is too wide to be read so.
 
     Args:
@@ -51,7 +53,7 @@ def layout(header: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequen
             heads, widths = found
             lines = [wrapped(head, size).replace(_BOUND, " ") for head, size in zip(heads, widths, strict=True)]
             cells = [[wrapped(text, size) for text, size in zip(row, widths, strict=True)] for row in rows]
-            return Layout(ruled, widths, lines, cells)
+            return TableLayout(ruled, widths, lines, cells)
     return None
 
 
@@ -117,7 +119,7 @@ def _widths(
     header: Sequence[str], bodies: Sequence[Sequence[str]], numeric: Sequence[bool], room: int, *, cut: bool
 ) -> tuple[list[str], list[int]] | None:
     """Give the heads, units bound as far as there is room, and the columns' widths; names are cut only where told."""
-    bound, loose = [_unit_kept(head, SHORT) for head in header], [_unit_kept(head, 0) for head in header]
+    bound, loose = [_unit_kept(head, SHORTEST_APART) for head in header], [_unit_kept(head, 0) for head in header]
     columns = range(len(header))
     words = [_longest(word for text in body for word in text.split()) for body in bodies]
     parts = [_longest(part for text in body for word in text.split() for part in _parts(word)) for body in bodies]

@@ -7,7 +7,7 @@ import numpy as np
 from pipeclamp.show.comparison import RUNS_PRINTED
 from pipeclamp.show.table import Table, outside_cell, outside_head
 from pipeclamp.show.view import View
-from pipeclamp_identification.metrics_only.campaign import SCATTER
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND
 from pipeclamp_identification.metrics_only.comparison_answer import metric_comparison_answer
 from pipeclamp_identification.metrics_only.law import MetricComparison, rms
 from pipeclamp_models.base.said import counted
@@ -36,7 +36,7 @@ def metric_comparison_words(comparison: MetricComparison) -> list[str]:
     words = [
         f"The law errs by {comparison.nrmse:.2%} over {runs}, {dissipated:.2%} in dW and {elastic:.2%} in W (rms of "
         "log ratios). Metrics without records say nothing of the place in the loop, of harmonics, or of scatter from "
-        f"cycle to cycle; about {SCATTER:.0%} is usual between runs."
+        f"cycle to cycle; about {SCATTER_BEFOREHAND:.0%} is usual between runs."
     ]
     if comparison.outside:
         lie = f"{counted(len(comparison.outside), 'run')} {'lies' if len(comparison.outside) == 1 else 'lie'}"

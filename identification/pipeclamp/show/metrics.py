@@ -61,7 +61,7 @@ def axis_of(study: Variation) -> str:
     return AXES.get(study.quantity, study.quantity)
 
 
-def title_of(study: Variation) -> str:
+def study_title(study: Variation) -> str:
     """Give what varies and what is held: "against f, at A 0.8 mm, T 20 °C"."""
     symbol, *_ = axis_of(study).split(" / ")
     held = ", ".join(setting(name, value) for name, value in study.held)
@@ -96,7 +96,7 @@ def study_table(study: Variation, metrics: Metrics) -> Table:
             )
         rows.append(entries)
     of = f"; paper: {PUBLISHED}" if published else ""
-    return Table(header, rows, f"Loop metrics {title_of(study)}{of}")
+    return Table(header, rows, f"Loop metrics {study_title(study)}{of}")
 
 
 PUBLISHED = "the specimen of Jiang et al. 2020, Tables 2-5, at these conditions; no measurement of this campaign"

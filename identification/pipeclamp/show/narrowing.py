@@ -7,10 +7,10 @@ from pathlib import Path
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.sentences import sentence
-from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
-from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, Map, test_words
+from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
+from pipeclamp_identification.planning.narrowing import WORTH_SHARE, BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
-from pipeclamp_system.bands.band import TOLD, Band, ends_words, origin_words
+from pipeclamp_system.bands.band import NAMED_SHARE, Band, ends_words, origin_words
 
 
 def width(band: Band) -> float:
@@ -39,7 +39,9 @@ def tests_table(plan: BandPlan) -> Table:
              test.frequency.low, test.frequency.high)
         )  # fmt: skip
     rows.append(("at best", None, None, None, *_ends(plan.floor, before.amplitude), None, None))
-    return Table(header, rows, f"{plan.per_cent:g} % band of the peak at {plan.point}, each test {REPEATS} times")
+    return Table(
+        header, rows, f"{plan.per_cent:g} % band of the peak at {plan.point}, each test {RUNS_OF_A_TEST} times"
+    )
 
 
 def _ends(band: Band, before: Band) -> tuple[float, float, str]:
@@ -75,18 +77,18 @@ def band_plan_words(plan: BandPlan, drive: Path | None = None) -> list[str]:
             f"{first.amplitude.high:.4g} mm, {width(first.amplitude) / width(amplitude):.0%} of its width."
         )
         lines.append(
-            f"Stop there, or after test {len(plan.tests)}: a further one would take less than {WORTH:.0%} of it."
+            f"Stop there, or after test {len(plan.tests)}: a further one would take less than {WORTH_SHARE:.0%} of it."
         )
     else:
-        lines.append(f"No loop test within the limits takes {WORTH:.0%} of the band's width.")
-    stays = "mountings and the law's form stay" if plan.floor.shares["form"] >= TOLD else "mountings stay"
+        lines.append(f"No loop test within the limits takes {WORTH_SHARE:.0%} of the band's width.")
+    stays = "mountings and the law's form stay" if plan.floor.shares["form"] >= NAMED_SHARE else "mountings stay"
     lines.append(f"No number of such tests goes below {at_best}: {stays}.")
     last = plan.tests[-1].amplitude if plan.tests else amplitude
     lines += map(sentence, origin_words("the peak then", last))
     for law, words in plan.limits.items():
         lines.append(f"Sought for {law} within {words}; noise of the force: {plan.noise[law]}.")
     if drive and plan.tests:
-        lines.append(f"{drive} holds its drive signal: {plan.tests[0].plan.words()}; run it {REPEATS} times.")
+        lines.append(f"{drive} holds its drive signal: {plan.tests[0].plan.words()}; run it {RUNS_OF_A_TEST} times.")
     elif drive:
         lines.append(f"{drive} isn't written: no test is proposed.")
     return [*lines, *plan.gaps]

@@ -10,7 +10,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.attribution.answer import system_comparison_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
-from pipeclamp_identification.attribution.verdict import FEWEST, PLAUSIBLE_NOISE_NRMSE, Attribution, Candidate
+from pipeclamp_identification.attribution.verdict import FEWEST_VALUES, PLAUSIBLE_NOISE_NRMSE, Attribution, Candidate
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
@@ -23,7 +23,7 @@ CANDIDATES_PRINTED = 8
 def attribution_words(found: Attribution | None, proposal: NextMeasurement | None) -> list[str]:
     """Say what is wrong; the first sentence is the verdict. None: too little was measured to ask."""
     if found is None:
-        return [f"Which parameter may be wrong is asked of {FEWEST} measured values at least."]
+        return [f"Which parameter may be wrong is asked of {FEWEST_VALUES} measured values at least."]
     words = [_headline(found)]
     if found.verdict in ("wrong", "ambiguous"):
         words += [f"{sentence(entry.told())} {_left(entry, found)}" for entry in found.named]

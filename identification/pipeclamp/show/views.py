@@ -59,12 +59,12 @@ def laws_view(laws: Sequence[tuple[LawFile, Held]]) -> View:
         )
         for (file, _), view in zip(laws, views, strict=True)
     ]
-    table = laws_table([(file, held.nrmse, scatter_of(held)) for file, held in laws])
+    table = laws_table([(file, held.nrmse, known_scatter_of(held)) for file, held in laws])
     best = least_error([held for _, held in laws])
     lines = [least_words([file for file, _ in laws], best), *views[best].lines]
     return View(LawsComparisonAnswer(laws=tuple(answers)), [table], lines)
 
 
-def scatter_of(held: Held) -> float | None:
+def known_scatter_of(held: Held) -> float | None:
     """Give the scatter of tests as a share of their force; None where it isn't known."""
     return held.known_noise if isinstance(held, Comparison) else None

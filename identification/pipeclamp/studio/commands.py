@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, Project
-from pipeclamp.studio.work import Task
+from pipeclamp.studio.work import JobTask
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import quoted, shell_line
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
 BASES = {
     "power": "k₁, k₃, c, α as powers of A and f (Eq. 17): begin here",
@@ -26,29 +26,29 @@ def identify_line(project: Project, law: str, base: str) -> str:
     return shell_line("identify", project.campaign, "-o", project.shown(f"{law}.json"), *beside)
 
 
-def identify_task(project: Project, base: str) -> tuple[Task, str]:
+def identify_task(project: Project, base: str) -> tuple[JobTask, str]:
     """Give the task that fits a base law, and the law's name."""
     law = project.reserve()
     command = identify_line(project, law, base)
     given = {
         "campaign": project.campaign, "law": project.shown(f"{law}.json"), "base": base, "command": _last_parts(command)
     }  # fmt: skip
-    return Task("identify", f"Fit the base law {base}", command, given), law
+    return JobTask("identify", f"Fit the base law {base}", command, given), law
 
 
-def named(effect: str) -> str:
+def effects_said(effect: str) -> str:
     """Give an effect as it is said; several, which `add` takes with commas between them, with words."""
     return " and ".join(effect.split(","))
 
 
-def add_line(project: Project, of: str, effect: str, kind: Kind | None, law: str) -> str:
+def add_line(project: Project, of: str, effect: str, kind: NamedKind | None, law: str) -> str:
     """Give the line that adds an effect, or several with commas between them, which the diagnosis means so."""
     meant = ("--as", kind) if kind == "part" else ()
     given = project.shown(f"{of}.json"), effect, project.campaign, "-o", project.shown(f"{law}.json")
     return shell_line("add", *given, *meant)
 
 
-def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple[Task, str]:
+def add_task(project: Project, of: str, effect: str, kind: NamedKind | None) -> tuple[JobTask, str]:
     """Give the task that adds an effect to a law, and the name of the law with it."""
     path, law = str(project.path_of(of)), project.reserve()
     command = add_line(project, of, effect, kind, law)
@@ -56,7 +56,7 @@ def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple
         "campaign": project.campaign, "of": path, "effect": effect, "kind": kind,
         "law": project.shown(f"{law}.json"), "command": _last_parts(command),
     }  # fmt: skip
-    return Task("add", f"Add {named(effect)} and fit everything again", command, given, of), law
+    return JobTask("add", f"Add {effects_said(effect)} and fit everything again", command, given, of), law
 
 
 def refit_line(project: Project, of: str, law: str) -> str:
@@ -64,14 +64,14 @@ def refit_line(project: Project, of: str, law: str) -> str:
     return shell_line("refit", project.shown(f"{of}.json"), project.campaign, "-o", project.shown(f"{law}.json"))
 
 
-def refit_task(project: Project, of: str) -> tuple[Task, str]:
+def refit_task(project: Project, of: str) -> tuple[JobTask, str]:
     """Give the task that fits a law to all tests anew, and the name of the law that comes of it."""
     path, law = str(project.path_of(of)), project.reserve()
     command = refit_line(project, of, law)
     given = {
         "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"), "command": _last_parts(command)
     }  # fmt: skip
-    return Task("refit", f"Fit {of} anew to all tests", command, given, of), law
+    return JobTask("refit", f"Fit {of} anew to all tests", command, given, of), law
 
 
 def diagnose_line(project: Project, law: str, limits: str = "") -> str:
@@ -85,14 +85,14 @@ def _kept(project: Project, law: str, limits: str) -> list[str]:
     return ["--json", answer, "--drive", drive, *(("--limits", limits) if limits else ())]
 
 
-def diagnose_task(project: Project, law: str, limits: str) -> Task:
+def diagnose_task(project: Project, law: str, limits: str) -> JobTask:
     """Give the task that diagnoses a law.
 
     Raises:
         UserError: there is no such law.
     """
     given = {"campaign": project.campaign, "law": str(project.path_of(law)), "limits": limits}
-    return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law, limits), given, law)
+    return JobTask("diagnose", f"Find what {law} lacks", diagnose_line(project, law, limits), given, law)
 
 
 def climb_line(project: Project, of: str, law: str, limits: str = "") -> str:
@@ -101,7 +101,7 @@ def climb_line(project: Project, of: str, law: str, limits: str = "") -> str:
     return shell_line("diagnose", *climbed, *_kept(project, law, limits))
 
 
-def climb_task(project: Project, of: str, limits: str) -> tuple[Task, str]:
+def climb_task(project: Project, of: str, limits: str) -> tuple[JobTask, str]:
     """Give the task that adds what a law lacks, again and again, and the name of the law that comes of it.
 
     Raises:
@@ -113,7 +113,7 @@ def climb_task(project: Project, of: str, limits: str) -> tuple[Task, str]:
         "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"), "limits": limits,
         "command": _last_parts(command),
     }  # fmt: skip
-    return Task("climb", f"Add what {of} lacks, until nothing helps", command, given, of), law
+    return JobTask("climb", f"Add what {of} lacks, until nothing helps", command, given, of), law
 
 
 def discover_line(project: Project, of: str, law: str) -> str:
@@ -124,7 +124,7 @@ def discover_line(project: Project, of: str, law: str) -> str:
     )  # fmt: skip
 
 
-def discover_task(project: Project, of: str) -> tuple[Task, str]:
+def discover_task(project: Project, of: str) -> tuple[JobTask, str]:
     """Give the task that searches a term for a law, and the name of the law with it, if one is found."""
     path, law = str(project.path_of(of)), project.reserve()
     command = discover_line(project, of, law)
@@ -133,7 +133,7 @@ def discover_task(project: Project, of: str) -> tuple[Task, str]:
         "term": project.shown(f"{of}.term.toml"), "answer": project.shown(f"{of}.discovery.json"),
         "told": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
     }  # fmt: skip
-    return Task("discover", f"Search a term that {of} lacks", command, given, of), law
+    return JobTask("discover", f"Search a term that {of} lacks", command, given, of), law
 
 
 def build_line(project: Project, law: str, kind: str) -> str:
@@ -142,10 +142,10 @@ def build_line(project: Project, law: str, kind: str) -> str:
     return shell_line("build-fmu", project.shown(f"{law}.json"), "-o", project.shown(f"{law}.fmu"), "--track", *beside)
 
 
-def build_task(project: Project, law: str, kind: str) -> Task:
+def build_task(project: Project, law: str, kind: str) -> JobTask:
     """Give the task that builds a law's FMU."""
     given = {"law": str(project.path_of(law)), "fmu": project.shown(f"{law}.fmu"), "kind": kind}
-    return Task("build", f"Build the {kind} FMU of {law}", build_line(project, law, kind), given, law)
+    return JobTask("build", f"Build the {kind} FMU of {law}", build_line(project, law, kind), given, law)
 
 
 def report_line(project: Project, law: str) -> str:
@@ -154,12 +154,12 @@ def report_line(project: Project, law: str) -> str:
     return shell_line("compare", law_file, project.campaign, "--report", page)
 
 
-def report_task(project: Project, law: str) -> Task:
+def report_task(project: Project, law: str) -> JobTask:
     """Give the task that writes a law's page."""
     given = {
         "campaign": project.campaign, "law": str(project.path_of(law)), "page": project.shown(f"{law}.html"),
     }  # fmt: skip
-    return Task("report", f"Write the page of {law}", report_line(project, law), given, law)
+    return JobTask("report", f"Write the page of {law}", report_line(project, law), given, law)
 
 
 def response_line(project: Project, law: str) -> str:
@@ -167,17 +167,17 @@ def response_line(project: Project, law: str) -> str:
     return shell_line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
 
 
-def response_task(project: Project, law: str, temperatures_C: Sequence[float]) -> Task:
+def response_task(project: Project, law: str, temperatures_C: Sequence[float]) -> JobTask:
     """Give the task that finds the response of a pipe with a law's clamp at temperatures; none where none is known."""
     given = {
         "law": str(project.path_of(law)), "system": project.shown(f"{law}.system.toml"),
         "output": project.shown(f"{law}.response.csv"), "shown": project.shown(f"{law}.response.json"),
         "temperatures_C": list(temperatures_C),
     }  # fmt: skip
-    return Task("respond", f"The pipe with the clamp of {law}", response_line(project, law), given, law)
+    return JobTask("respond", f"The pipe with the clamp of {law}", response_line(project, law), given, law)
 
 
-def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_unusable: bool, dry_run: bool) -> Task:
+def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_unusable: bool, dry_run: bool) -> JobTask:
     """Give the task that makes a campaign of uploaded files, or says what it would be.
 
     Raises:
@@ -193,7 +193,7 @@ def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_un
     if "rate" in told:
         given["rate"] = _rate(told["rate"])
     kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
-    return Task(kind, title, command, given)
+    return JobTask(kind, title, command, given)
 
 
 def _rate(text: str) -> float | str:

@@ -11,8 +11,8 @@ from pipeclamp.studio import uploads
 from pipeclamp.studio.bench import Bench, read_bench
 from pipeclamp.studio.jobs import Job, Jobs
 from pipeclamp.studio.project import Project
-from pipeclamp.studio.session import Step
-from pipeclamp.studio.work import Task
+from pipeclamp.studio.session import SessionStep
+from pipeclamp.studio.work import JobTask
 from pipeclamp_identification.campaign.bundled import bundled_campaign, bundled_campaigns
 from pipeclamp_models.base.errors import UserError
 
@@ -94,15 +94,15 @@ class Desk:
             if key != self.first:
                 self._opened.pop(key, None)
 
-    def start(self, opened: Opened, task: Task, law: str | None = None) -> Job:
+    def start(self, opened: Opened, task: JobTask, law: str | None = None) -> Job:
         """Start a task; what it makes is noted in the campaign's session."""
 
         def noted(job: Job) -> None:
             made = law if job.result.get("law") else None
-            opened.project.note(Step(command=task.command, law=made, of=task.law))
+            opened.project.note(SessionStep(command=task.command, law=made, of=task.law))
 
         # a ladder keeps its best law on the way
-        begun = Step(command=task.command, law=law, of=task.law, stopped=task.kind == "climb")
+        begun = SessionStep(command=task.command, law=law, of=task.law, stopped=task.kind == "climb")
 
         def over(job: Job | None) -> None:
             if law is None:

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from pipeclamp.studio.work import Task, end_with_children, process_of
+from pipeclamp.studio.work import JobTask, end_with_children, process_of
 from pipeclamp_models.base.errors import UserError
 
 MOST_RUNNING = 2
@@ -39,7 +39,7 @@ class Job:
 
     number: int
     project: str
-    task: Task
+    task: JobTask
     state: str = "running"
     stopped: bool = False
     says: str = "starting"
@@ -77,7 +77,7 @@ class Jobs:
     def start(
         self,
         project: str,
-        task: Task,
+        task: JobTask,
         when_done: Callable[[Job], None],
         when_over: Callable[[Job | None], None] = lambda _: None,
     ) -> Job:

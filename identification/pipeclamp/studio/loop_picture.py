@@ -11,7 +11,7 @@ import numpy as np
 from pipeclamp.studio.bench import OneRun
 from pipeclamp_identification.comparison.breakdown import squared_harmonics
 from pipeclamp_identification.comparison.drawn import MOST_POINTS, drawn_runs
-from pipeclamp_identification.comparison.laws import HeldLaw
+from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.fitting.misfit import RunMisfit, loop_of_run
 from pipeclamp_identification.loops.loops import displacement_on_grid
@@ -21,7 +21,7 @@ from pipeclamp_models.law.law import Law
 
 ORDERS = 9
 """Harmonics that are shown: of most loops all that stand out of the scatter."""
-DIGITS = 6
+PICTURE_DIGITS = 6
 
 
 def run_picture(run: OneRun, laws: Mapping[str, Law]) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def run_picture(run: OneRun, laws: Mapping[str, Law]) -> dict[str, Any]:
         known, and its harmonics.
     """
     loop = run.loops.rows[0]
-    held = [HeldLaw(name, law, (run.misfit(law),)) for name, law in laws.items()]
+    held = [ComparedLaw(name, law, (run.misfit(law),)) for name, law in laws.items()]
     shown = {"run": loop.run, "conditions": _conditions(run), "cycles": len(loop.cycles)}
     if not held:
         return {**shown, **_measured(run), "laws": [], "told": []}
@@ -93,4 +93,4 @@ def _conditions(run: OneRun) -> dict[str, Any]:
 
 
 def _numbers(values: Array) -> list[float]:
-    return [float(f"{value:.{DIGITS}g}") for value in values.tolist()]
+    return [float(f"{value:.{PICTURE_DIGITS}g}") for value in values.tolist()]

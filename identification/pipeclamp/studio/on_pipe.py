@@ -66,7 +66,7 @@ EXCITATIONS = {"base": "acceleration_m_s2 = 1.0", "force": "force_N = 100.0"}
 """By the kind of the pipe's excitation; the response is found at shares of them."""
 BELOW, ABOVE = 0.85, 1.1
 """Of the first resonance without clamps and with rigid ones: damping moves the peak, which should be shown whole."""
-SLOWEST = 0.25
+FIRST_FREQUENCY_SHARE = 0.25
 """Of the first resonance with rigid clamps: there a response begins of a pipe that nothing else holds."""
 ROOM_C = 20.0
 """Of tests that tell no temperature."""
@@ -120,7 +120,7 @@ def system_text(pipe: PipeDescription, file: LawFile, law: str, temperatures_C: 
     if not pipe.clamps:
         raise UserError(f"{PIPE}: the pipe has no clamp; expected [[clamps]] with name and position_m")
     free, stiff = first_resonances(pipe)
-    low, high = _short(BELOW * (free or SLOWEST * stiff)), _short(ABOVE * stiff)
+    low, high = _short(BELOW * (free or FIRST_FREQUENCY_SHARE * stiff)), _short(ABOVE * stiff)
     middle, amplitudes = _short((low + high) / 2), file.range.get("A")
     shared = {
         "law": law, "middle": middle, "temperature": temperatures_C[0] if temperatures_C else ROOM_C,

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from pipeclamp.pages.alternative import words_of
 from pipeclamp.pages.page import least_width, plain
-from pipeclamp.pages.waterfall import ESTIMATED, USED, Rung, rungs_of, waterfall_picture, with_promised
+from pipeclamp.pages.waterfall import ESTIMATED, USED, RungBars, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import parameters_table, vain_words
 from pipeclamp.show.table import cell
@@ -19,7 +19,7 @@ from pipeclamp.studio.bench import Bench
 from pipeclamp.studio.error_map import ErrorMap, error_map
 from pipeclamp.studio.project import TOLD, Project
 from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
-from pipeclamp.studio.told import Told, stamp
+from pipeclamp.studio.told import ToldDiagnosis, stamp
 from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
@@ -74,7 +74,7 @@ class LawShown:
     waterfall: Picture
     map: ErrorMap
     before: ErrorMap | None
-    told: Told | None
+    told: ToldDiagnosis | None
     once: int | None
     groups: tuple[tuple[str, tuple[Slider, ...]], ...]
     of_candidates: Mapping[str, tuple[Slider, ...]]
@@ -98,7 +98,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
     scatter = held.known_noise
     return LawShown(
         name=name,
-        title=title_of(file),
+        title=law_title(file),
         error=100 * held.nrmse,
         scatter=None if scatter is None else 100 * scatter,
         words=tuple(how_much(held)[1:]),
@@ -124,7 +124,7 @@ def tests_map(bench: Bench, by: str = "") -> ErrorMap:
     return error_map(bench.loops.run, conditions_of(bench.tests.campaign, bench.loops), None, by)
 
 
-def title_of(file: LawFile) -> str:
+def law_title(file: LawFile) -> str:
     """Give base and effects of a law."""
     return " + ".join((file.base, *file.effects))
 
@@ -146,7 +146,7 @@ def chips_of(project: Project) -> list[LawChip]:
 
 def steps_since(file: LawFile, before: LawFile | None) -> str:
     """Say by which steps a law came from another; by its last one where it didn't."""
-    return " ".join(_since(file, before)) or title_of(file)
+    return " ".join(_since(file, before)) or law_title(file)
 
 
 def _since(file: LawFile, before: LawFile | None) -> list[str]:
@@ -161,14 +161,14 @@ def _vain(file: LawFile, before: LawFile | None) -> str:
     return vain_words(file.history, len(_since(file, before)))
 
 
-def waterfall_of(file: LawFile, told: Told | None) -> Picture:
+def waterfall_of(file: LawFile, told: ToldDiagnosis | None) -> Picture:
     """Give a law's history as bars, and what would come next by a diagnosis, as its page has it."""
     rungs = rungs_of(file)
     if not rungs and file.fit:
-        rungs = [Rung(file.base, {USED: file.fit.nrmse})]
+        rungs = [RungBars(file.base, {USED: file.fit.nrmse})]
     if told and rungs:
-        coming = [Rung(each.label, {ESTIMATED: each.heldout_nrmse}, True, each.explained) for each in told.promised]
-        rungs = with_promised(rungs, Rung("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
+        coming = [RungBars(each.label, {ESTIMATED: each.heldout_nrmse}, True, each.explained) for each in told.promised]
+        rungs = with_promised(rungs, RungBars("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
     specification = plain(figure)
     layout = specification["layout"]
@@ -180,11 +180,11 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
     return Picture(json.dumps(specification), words_of(figure), least_width(figure))
 
 
-def told_in(project: Project, name: str, file: LawFile) -> Told | None:
+def told_in(project: Project, name: str, file: LawFile) -> ToldDiagnosis | None:
     """Give what was told of a law; None where it wasn't diagnosed, or another law of that name was."""
     path = project.folder / f"{name}{TOLD}"
     try:
-        told = Told.model_validate_json(Path(path).read_text(encoding="utf-8"))
+        told = ToldDiagnosis.model_validate_json(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValidationError, UnicodeDecodeError):
         return None
     return told if told.law_command == stamp(file) else None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from pipeclamp.studio.session import Session, Step
+from pipeclamp.studio.session import Session, SessionStep
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text, write_whole
 from pipeclamp_models.base.toml_file import explained
@@ -136,26 +136,26 @@ class Project:
         """Give a file of the folder as a command line names it."""
         return str(self.folder / name)
 
-    def note(self, step: Step) -> None:
+    def note(self, step: SessionStep) -> None:
         """Remember what was done."""
         self._change(lambda session: {"steps": (*session.steps, step), "begun": _without(session, step)})
 
-    def begin(self, step: Step) -> None:
+    def begin(self, step: SessionStep) -> None:
         """Remember what is being done, as it will have been done where the studio is killed."""
         self._change(lambda session: {"begun": (*session.begun, step)})
 
-    def forget(self, step: Step) -> None:
+    def forget(self, step: SessionStep) -> None:
         """Forget what was begun: it made no law."""
         self._change(lambda session: {"begun": _without(session, step)})
 
-    def _change(self, changed: Callable[[Session], Mapping[str, tuple[Step, ...]]]) -> None:
+    def _change(self, changed: Callable[[Session], Mapping[str, tuple[SessionStep, ...]]]) -> None:
         with self._lock:
             session = self._read()
             self._session = session.model_copy(update=changed(session))
             write_whole(self.folder / SESSION, self._session.model_dump_json(indent=1, by_alias=True) + "\n")
 
     @property
-    def steps(self) -> Sequence[Step]:
+    def steps(self) -> Sequence[SessionStep]:
         """What was done, in order."""
         return self._session.steps
 
@@ -172,7 +172,7 @@ class Project:
         return max(reversed(before), key=lambda other: len(self.law(other).effects), default=None)
 
 
-def _without(session: Session, step: Step) -> tuple[Step, ...]:
+def _without(session: Session, step: SessionStep) -> tuple[SessionStep, ...]:
     """Give what was begun, without what makes this step's law."""
     return tuple(one for one in session.begun if one.law != step.law)
 

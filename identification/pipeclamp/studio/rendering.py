@@ -10,7 +10,7 @@ import jinja2
 
 from pipeclamp.api.tests import Tests
 from pipeclamp.pages.page import templates_of
-from pipeclamp.pages.waterfall import USED, Rung, waterfall_picture
+from pipeclamp.pages.waterfall import USED, RungBars, waterfall_picture
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import discovery_in
@@ -97,7 +97,7 @@ def warm_drawing() -> None:
     """Make what every campaign's page needs, while the campaign is read: templates, and what draws pictures."""
     _environment().get_template("campaign.html.jinja")
     _environment().get_template("parts.html.jinja")
-    waterfall_picture([Rung("", {USED: 0.0})], 0.0, "").to_json()
+    waterfall_picture([RungBars("", {USED: 0.0})], 0.0, "").to_json()
 
 
 def warm(desk: Desk) -> None:
@@ -124,5 +124,5 @@ def _environment() -> jinja2.Environment:
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = sentence
     environment.filters["one_digit"] = one_digit
-    environment.filters["named"] = commands.named
+    environment.filters["named"] = commands.effects_said
     return environment

@@ -26,7 +26,7 @@ from pipeclamp.studio.loop_picture import run_picture
 from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
-from pipeclamp.studio.told import Told, ToldCandidate
+from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
@@ -55,7 +55,7 @@ Endpoint = Callable[[Request], Response]
 
 def most_bytes(path: str) -> int:
     """Give the size that a request to a path may have."""
-    return uploads.MOST_BYTES if path.startswith("/uploads/") else MOST_ASKED
+    return uploads.MOST_UPLOAD_BYTES if path.startswith("/uploads/") else MOST_ASKED
 
 
 def application(desk: Desk) -> Starlette:
@@ -157,7 +157,10 @@ class Pages:
         candidate = request.query_params.get("candidate")
         if candidate and names:
             # the law that the page is about stays last
-            laws = {f"{names[-1]} + {commands.named(candidate)}": _candidate(opened, names[-1], candidate), **laws}
+            laws = {
+                f"{names[-1]} + {commands.effects_said(candidate)}": _candidate(opened, names[-1], candidate),
+                **laws,
+            }
         return JSONResponse(run_picture(opened.bench.run(request.path_params["run"]), laws))
 
     async def moved(self, request: Request) -> Response:
@@ -171,7 +174,7 @@ class Pages:
         if not isinstance(values, dict) or not all(map(_is_number, values.values())):
             raise UserError("values: expected numbers by the names of parameters")
         law = _candidate(opened, name, str(candidate)) if candidate else law_of(opened.project.law(name))
-        label = f"{commands.named(str(candidate or name))}, moved"
+        label = f"{commands.effects_said(str(candidate or name))}, moved"
         shown = run_picture(opened.bench.run(_text(asked, "run")), {label: changed(law, values)})
         return JSONResponse({"force": shown["laws"][0], "told": shown["told"][0]})
 
@@ -283,14 +286,14 @@ def _candidate(opened: Opened, law: str, candidate: str) -> Law:
     return with_candidate(file, found.effects, found.values)
 
 
-def _among(told: Told, law: str, candidate: str) -> ToldCandidate:
+def _among(told: ToldDiagnosis, law: str, candidate: str) -> ToldCandidate:
     found = next((each for each in told.candidates if each.name == candidate), None)
     if found is None:
         raise UserError(f"{candidate!r}: no candidate of {law}'s diagnosis; diagnose it first")
     return found
 
 
-def _told(opened: Opened, law: str, file: LawFile) -> Told:
+def _told(opened: Opened, law: str, file: LawFile) -> ToldDiagnosis:
     told = overview.told_in(opened.project, law, file)
     if told is None:
         raise UserError(f"{law}: hasn't been diagnosed; do that first")

@@ -89,7 +89,7 @@ def _is_loopback(name: str) -> bool:
     return name == "localhost" or (_is_address(name) and ipaddress.ip_address(name).is_loopback)
 
 
-class Guard:
+class RequestGuard:
     """Refuses what is not asked by a page of this studio, and limits what it is sent."""
 
     def __init__(self, app: ASGIApp, door: Door, most_bytes: Callable[[str], int]) -> None:

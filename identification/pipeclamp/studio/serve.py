@@ -14,7 +14,7 @@ import uvicorn
 from pipeclamp.studio.desk import Desk
 from pipeclamp.studio.rendering import warm
 from pipeclamp.studio.routes import application, most_bytes
-from pipeclamp.studio.security import Door, Guard
+from pipeclamp.studio.security import Door, RequestGuard
 from pipeclamp_models.base.errors import InterruptError, UserError
 
 GRACE_s = 1
@@ -52,7 +52,7 @@ def serve(desk: Desk, host: str, port: int, tell: Callable[[str], None], *, brow
     """
     with contextlib.closing(bound(host, port)) as listening:
         door = Door(host, listening.getsockname()[1])
-        app = Guard(application(desk), door, most_bytes)
+        app = RequestGuard(application(desk), door, most_bytes)
         config = uvicorn.Config(
             app, log_level="warning", access_log=False, server_header=False, lifespan="off",
             timeout_graceful_shutdown=GRACE_s, h11_max_incomplete_event_size=64 * 1024, ws="none", proxy_headers=False,

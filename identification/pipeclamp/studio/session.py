@@ -15,7 +15,7 @@ class Kept(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, defer_build=True)
 
 
-class Step(Kept):
+class SessionStep(Kept):
     """Something that was done.
 
     Attributes:
@@ -47,5 +47,5 @@ class Session(Kept):
 
     schema_name: Literal["pipeclamp-studio-1"] = Field(default=SCHEMA, alias="schema")
     campaign: str
-    steps: tuple[Step, ...] = ()
-    begun: tuple[Step, ...] = ()
+    steps: tuple[SessionStep, ...] = ()
+    begun: tuple[SessionStep, ...] = ()

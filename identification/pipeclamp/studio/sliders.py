@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from pipeclamp.studio.told import ToldCandidate
 from pipeclamp_models.law.file import LawFile, structure_of
-from pipeclamp_models.law.outline import ParameterOutline, Quantity
+from pipeclamp_models.law.outline import NumberOrExpression, ParameterOutline
 
 MOST_ERRORS = 10.0
 """A slider reaches this many standard errors, and to zero and twice the value at least."""
@@ -53,6 +53,6 @@ def _slider(parameter: ParameterOutline, value: float, error: float | None) -> S
     return Slider(parameter.name, value, low, high, parameter.unit, parameter.meaning, error)
 
 
-def _bound(bound: Quantity, otherwise: float) -> float:
+def _bound(bound: NumberOrExpression, otherwise: float) -> float:
     """Give a bound that is a number; one that is in sizes of the data doesn't limit a slider."""
     return otherwise if isinstance(bound, str) else float(bound)

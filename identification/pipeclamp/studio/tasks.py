@@ -12,7 +12,7 @@ from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import spare_cores
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import Kind, LawFile, law_text, read_law
+from pipeclamp_models.law.file import LawFile, NamedKind, law_text, read_law
 
 if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
@@ -26,7 +26,7 @@ def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str
 
 
 def add(
-    tell: Progress, *, campaign: str, of: str, effect: str, kind: Kind | None, law: str, command: str
+    tell: Progress, *, campaign: str, of: str, effect: str, kind: NamedKind | None, law: str, command: str
 ) -> dict[str, Any]:
     """Add an effect to a law, or several with commas between them, refit everything and write it."""
     from pipeclamp_identification.workflow.change import add_effects
@@ -93,10 +93,10 @@ def _write_diagnosis(found: Any, file: LawFile, campaign: str, law: str, ladder:
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp.studio.told import told_of
     from pipeclamp_identification.campaign.drive import drive_content
-    from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+    from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
     from pipeclamp_identification.workflow.next_command import next_command
 
-    assert isinstance(found, Diagnosed)
+    assert isinstance(found, RecordDiagnosed)
     answer, told, drive = (Path(law).with_suffix(suffix) for suffix in (DIAGNOSIS, TOLD, DRIVE))
     if found.proposal:
         write_whole(drive, drive_content(found.proposal.plan.signal(), drive))

@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from pydantic import Field
 
 from pipeclamp.show.diagnosis import against, verdict_lines
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.law.file import Kind, LawFile, Verdict
+from pipeclamp_models.law.file import LawFile, NamedKind, Verdict
 
 
 class ToldCandidate(AnswerModel):
@@ -38,12 +38,12 @@ class ToldRung(AnswerModel):
     explained: float | None
 
 
-class Told(AnswerModel):
+class ToldDiagnosis(AnswerModel):
     """A diagnosis as it is shown."""
 
     law_command: str = Field(description="the command that made the law which was diagnosed, and its date")
     verdict: Verdict
-    kind: Kind | None
+    kind: NamedKind | None
     effects: tuple[str, ...]
     together: tuple[str, ...] = Field((), description="two effects that help only together, of which one is named")
     headline: str
@@ -62,12 +62,12 @@ class Told(AnswerModel):
         """What is named, as `add` takes it: two that help only together at once."""
         return (_at_once(self.together),) if self.together else self.effects
 
-    def meant(self, effect: str) -> Kind | None:
+    def meant(self, effect: str) -> NamedKind | None:
         """Say how an effect is meant; None where it isn't named."""
         return self.kind if effect in (*self.effects, *self.offered) else None
 
 
-def told_of(found: Diagnosed, file: LawFile) -> Told:
+def told_of(found: RecordDiagnosed, file: LawFile) -> ToldDiagnosis:
     """Give a diagnosis as it is shown."""
     # the server, which only shows what was told, does without
     from pipeclamp.pages.diagnosis import promised
@@ -75,7 +75,7 @@ def told_of(found: Diagnosed, file: LawFile) -> Told:
 
     diagnosis = found.diagnosis
     both = [diagnosis.found.named] if diagnosis.found.named and found.together else []
-    return Told(
+    return ToldDiagnosis(
         law_command=stamp(file),
         verdict=found.verdict,
         kind=found.kind,
@@ -105,7 +105,7 @@ def _at_once(effects: Sequence[str]) -> str:
     return ",".join(effects)
 
 
-def _rung(found: Diagnosed) -> tuple[str, ...]:
+def _rung(found: RecordDiagnosed) -> tuple[str, ...]:
     """Say what the effect that is named first takes; of two that are missing together, that there are two."""
     if found.verdict == "missing" and found.kind == "cause" and found.diagnosis.pair:
         return (*found.diagnosis.reasons[:1], *found.rung()[1:])

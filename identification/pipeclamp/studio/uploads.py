@@ -11,9 +11,9 @@ from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
 
-MOST_BYTES = 512 * 2**20
+MOST_UPLOAD_BYTES = 512 * 2**20
 """Of one file."""
-MOST_FILES = 500
+MOST_UPLOAD_FILES = 500
 MOST_TOTAL_BYTES = 4 * 2**30
 """Of all files in the studio's folder."""
 LONGEST_NAME = 120
@@ -113,19 +113,19 @@ async def take(home: Path, batch: str, given: str, content: AsyncIterator[bytes]
     folder.mkdir(parents=True, exist_ok=True)
     if folder.resolve() != home.resolve() / "uploads" / batch:
         raise UserError(f"{folder}: leads elsewhere; expected a folder of the studio")
-    if sum(1 for _ in folder.iterdir()) >= MOST_FILES:
-        raise UserError(f"{name}: one file too many; expected at most {MOST_FILES} at once")
+    if sum(1 for _ in folder.iterdir()) >= MOST_UPLOAD_FILES:
+        raise UserError(f"{name}: one file too many; expected at most {MOST_UPLOAD_FILES} at once")
     target, part = folder / name, folder / f".{name}.part"
     if target.exists() or part.exists():
         raise UserError(f"{name}: is there already; expected files of different names")
-    room = min(MOST_BYTES, MOST_TOTAL_BYTES - _size_of(folder.parent))
+    room = min(MOST_UPLOAD_BYTES, MOST_TOTAL_BYTES - _size_of(folder.parent))
     try:
         with part.open("xb") as stream:
             async for piece in content:
                 room -= len(piece)
                 if room < 0:
                     raise UserError(
-                        f"{name}: too large; expected at most {MOST_BYTES >> 20} MB a file, "
+                        f"{name}: too large; expected at most {MOST_UPLOAD_BYTES >> 20} MB a file, "
                         f"{MOST_TOTAL_BYTES >> 30} GB in all"
                     )
                 stream.write(piece)

@@ -23,7 +23,7 @@ Result = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Task:
+class JobTask:
     """What a job is to do.
 
     Attributes:
@@ -41,7 +41,7 @@ class Task:
     law: str | None = None
 
 
-def process_of(task: Task, sending: Connection) -> BaseProcess:
+def process_of(task: JobTask, sending: Connection) -> BaseProcess:
     """Give a process for a task, not yet started; it sends what it does, and then what came out."""
     return multiprocessing.get_context("spawn").Process(
         target=_work, args=(task.kind, dict(task.given), sending), name=f"pipeclamp {task.kind}"

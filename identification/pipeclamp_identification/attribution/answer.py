@@ -6,7 +6,7 @@ from pydantic import Field
 
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
-from pipeclamp_identification.attribution.verdict import Attribution, Verdict
+from pipeclamp_identification.attribution.verdict import Attribution, PipeVerdict
 from pipeclamp_identification.on_pipe.answer import (
     BandsOnPipeAnswer,
     OnPipeAnswer,
@@ -15,7 +15,7 @@ from pipeclamp_identification.on_pipe.answer import (
     where_told,
 )
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
 
 class RefitErrors(AnswerModel):
@@ -38,8 +38,8 @@ class CandidateAnswer(AnswerModel):
 class AttributionAnswer(AnswerModel):
     """What of pipe, clamps or measurement is wrong."""
 
-    verdict: Verdict
-    kind: Kind | None = Field(description="cause: it explains what is wrong; part: it takes most of it")
+    verdict: PipeVerdict
+    kind: NamedKind | None = Field(description="cause: it explains what is wrong; part: it takes most of it")
     parameters: tuple[str, ...] = Field(description="all that the verdict names")
     alternatives: tuple[tuple[str, ...], ...] = Field(description="one of these is wrong, best first")
     sides: tuple[str, ...] = Field(description="pipe, clamp, measurement: those of what the verdict names")

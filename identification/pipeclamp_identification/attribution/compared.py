@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipeclamp_identification.attribution.task import Computed
-from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_description
+from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_measurement_description
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_identification.on_pipe.records import RecordsComparison, compare_records
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
@@ -65,7 +65,7 @@ def compare_measured(system: Path, measured: Path) -> Compared:
     Raises:
         UserError: a file can't serve, they don't belong together, or the model has no motion to compare.
     """
-    _, description = read_description(measured)
+    _, description = read_measurement_description(measured)
     return Compared(
         compare_pipe(system, measured) if description.has_sines else None,
         compare_records(system, measured) if description.records else None,

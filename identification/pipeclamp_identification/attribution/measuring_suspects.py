@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import partial
 from math import degrees, exp, log, pi
 
-from pipeclamp_identification.attribution.misstated import moved, moves, place_words
+from pipeclamp_identification.attribution.misstated import displacement_search, moved, place_words
 from pipeclamp_identification.attribution.suspect import Side, Suspect, Values
-from pipeclamp_identification.on_pipe.instrument import Channel, Instrument
+from pipeclamp_identification.on_pipe.instrument import Instrument, SensorChannel
 from pipeclamp_identification.on_pipe.measurement import UNITS, MeasurementDescription
 from pipeclamp_identification.on_pipe.model import CoupledModel
 
@@ -24,12 +24,12 @@ REVERSED = 0.1
 DELAYS = tuple((side * value,) for value in (1.0, 10.0) for side in (-1, 1))
 """ms."""
 LONGEST_DELAY = 100.0
-RATES = tuple((side * value,) for value in (0.01, 0.05) for side in (-1, 1))
+RATE_STARTS = tuple((side * value,) for value in (0.01, 0.05) for side in (-1, 1))
 MOST_RATE = log(2.0)
 SAME_UNIT = 0.03
 """Share within which a gain is that of two units."""
 
-Turned = Callable[[Instrument, Channel], Instrument]
+Turned = Callable[[Instrument, SensorChannel], Instrument]
 """Puts what a channel does besides into a measuring chain."""
 
 
@@ -47,7 +47,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         yield _gain(name, words, partial(_on_sensors, (probe.name,)), ratios)
         yield from _late(name, words, partial(_on_sensors, (probe.name,)))
         place = model.pipe.probes[index]
-        search = moves(place.position_m, length)
+        search = displacement_search(place.position_m, length)
         yield Suspect(
             id=f"{name}.position", side=SIDE, kind="a sensor's position", words=f"the position of {words}",
             change=partial(_moved_probe, probe.name), told=partial(place_words, place.position_m),
@@ -59,7 +59,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
     yield from _late("excitation", "the excitation", _on_excitation)
     at = model.pipe.excitation.position_m
     if at is not None:
-        search = moves(at, length)
+        search = displacement_search(at, length)
         yield Suspect(
             id="excitation.position", side=SIDE, kind="the excitation's position", words="where the excitation acts",
             change=_acting_elsewhere, told=partial(place_words, at), starts=search.starts, lower=search.lower,
@@ -67,7 +67,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         )  # fmt: skip
     yield Suspect(
         id="frequency_axis", side=SIDE, kind="the frequency axis", words="the frequency axis (the sampling rate)",
-        change=_stretched, told=_rate_words, starts=RATES, lower=(-MOST_RATE,), upper=(MOST_RATE,),
+        change=_stretched, told=_rate_words, starts=RATE_STARTS, lower=(-MOST_RATE,), upper=(MOST_RATE,),
     )  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def _gain(name: str, words: str, turned: Turned, ratios: dict[str, float]) -> Su
 
     return Suspect(
         id=f"{name}.gain", side=SIDE, kind="a calibration", words=f"the calibration of {words}",
-        change=partial(_turned, turned, lambda value: Channel(gain=exp(value))), told=told, starts=GAINS,
+        change=partial(_turned, turned, lambda value: SensorChannel(gain=exp(value))), told=told, starts=GAINS,
         lower=(-LARGEST_GAIN,), upper=(LARGEST_GAIN,),
     )  # fmt: skip
 
@@ -88,12 +88,12 @@ def _gain(name: str, words: str, turned: Turned, ratios: dict[str, float]) -> Su
 def _late(name: str, words: str, turned: Turned) -> Iterator[Suspect]:
     yield Suspect(
         id=f"{name}.phase", side=SIDE, kind="a phase", words=f"the phase or the sign of {words}",
-        change=partial(_turned, turned, lambda value: Channel(phase=value)), told=_phase_words, starts=PHASES,
+        change=partial(_turned, turned, lambda value: SensorChannel(phase=value)), told=_phase_words, starts=PHASES,
         lower=(-FULL_TURN,), upper=(FULL_TURN,),
     )  # fmt: skip
     yield Suspect(
         id=f"{name}.delay", side=SIDE, kind="a delay", words=f"the delay of {words}",
-        change=partial(_turned, turned, lambda value: Channel(delay=1e-3 * value)),
+        change=partial(_turned, turned, lambda value: SensorChannel(delay=1e-3 * value)),
         told=lambda values, errors: f"{values[0]:.3g} ± {errors[0]:.1g} ms late",
         starts=DELAYS, lower=(-LONGEST_DELAY,), upper=(LONGEST_DELAY,),
     )  # fmt: skip
@@ -110,24 +110,26 @@ def _rate_words(values: Values, errors: Values) -> str:
     return f"true frequencies are {rate:.5g} ± {rate * errors[0]:.1g} times the stated ones"
 
 
-def _turned(turned: Turned, channel: Callable[[float], Channel], model: CoupledModel, values: Values) -> CoupledModel:
+def _turned(
+    turned: Turned, channel: Callable[[float], SensorChannel], model: CoupledModel, values: Values
+) -> CoupledModel:
     if values[0] == 0:
         return model
     return replace(model, instrument=turned(model.instrument, channel(values[0])))
 
 
-def _on_sensors(names: Iterable[str], instrument: Instrument, more: Channel) -> Instrument:
+def _on_sensors(names: Iterable[str], instrument: Instrument, more: SensorChannel) -> Instrument:
     for name in names:
         instrument = instrument.with_sensor(name, _after(instrument.sensor(name), more))
     return instrument
 
 
-def _on_excitation(instrument: Instrument, more: Channel) -> Instrument:
+def _on_excitation(instrument: Instrument, more: SensorChannel) -> Instrument:
     return replace(instrument, excitation=_after(instrument.excitation, more))
 
 
-def _after(channel: Channel, more: Channel) -> Channel:
-    return Channel(channel.gain * more.gain, channel.phase + more.phase, channel.delay + more.delay)
+def _after(channel: SensorChannel, more: SensorChannel) -> SensorChannel:
+    return SensorChannel(channel.gain * more.gain, channel.phase + more.phase, channel.delay + more.delay)
 
 
 def _stretched(model: CoupledModel, values: Values) -> CoupledModel:

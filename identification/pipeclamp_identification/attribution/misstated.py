@@ -7,13 +7,13 @@ from dataclasses import replace
 from functools import partial
 from math import exp
 
-from pipeclamp_identification.attribution.suspect import A_FACTOR, Search, Suspect, Values, factor_words
+from pipeclamp_identification.attribution.suspect import A_FACTOR, Suspect, Values, ValueSearch, factor_words
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_models.pipe.description import MaterialTable, PipeDescription, Place
 from pipeclamp_models.pipe.materials import COLD
 from pipeclamp_models.pipe.section import section_of
 
-MOVES = (0.02, 0.1)
+POSITION_SHARES = (0.02, 0.1)
 """Shares of the pipe's length by which a position may be wrong, at which a search begins."""
 WARMER = (10.0, 50.0)
 """K, likewise."""
@@ -26,7 +26,7 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
     yield _modulus(model.pipe)
     length = model.pipe.pipe.length_m
     for index, place in enumerate(model.pipe.clamps):
-        search = moves(place.position_m, length)
+        search = displacement_search(place.position_m, length)
         yield Suspect(
             id=f"{place.name}.position",
             side="clamp",
@@ -52,11 +52,11 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
         )
 
 
-def moves(position: float, length: float) -> Search:
+def displacement_search(position: float, length: float) -> ValueSearch:
     """Give starts and bounds of a displacement (m) of something at a position on a pipe of some length."""
-    steps = (side * share * length for share in MOVES for side in (-1, 1))
+    steps = (side * share * length for share in POSITION_SHARES for side in (-1, 1))
     inside = tuple((step,) for step in steps if 0 < position + step < length)
-    return Search(inside, (-position,), (length - position,))
+    return ValueSearch(inside, (-position,), (length - position,))
 
 
 def moved(place: Place, distance: float) -> Place:

@@ -29,16 +29,16 @@ SINES = 12
 """Of a proposed series."""
 LOUDER = (0.25, 4.0)
 """Times the levels that were measured."""
-WIDER = 2.0
+FREQUENCY_WIDENING = 2.0
 """Times the highest frequency that was measured, and its inverse for the lowest."""
-PLACES = 7
+PROBE_POSITIONS = 7
 """Positions along the pipe at which another probe is tried."""
 AT_LEAST = 0.02
 """Difference of two models, as a share of the response's rms, below which a test tells nothing."""
 
 
 @dataclass(frozen=True)
-class Proposal:
+class PipeTestProposal:
     """A test that would tell refitted models apart.
 
     Attributes:
@@ -73,7 +73,7 @@ class Tested:
     temperature: float | None
 
 
-def propose(attribution: Attribution, compared: Compared) -> Proposal | None:
+def propose(attribution: Attribution, compared: Compared) -> PipeTestProposal | None:
     """Propose the sines at which the named candidates differ most; None where none is found that tells more."""
     named = attribution.named[:3]
     if len(named) < 2:
@@ -92,7 +92,7 @@ def propose(attribution: Attribution, compared: Compared) -> Proposal | None:
                 best = apart, words
     if best is None or best[0] < max(AT_LEAST, 1.5 * now):
         return None
-    return Proposal(best[1], best[0], now)
+    return PipeTestProposal(best[1], best[0], now)
 
 
 def tested(compared: Compared) -> Tested:
@@ -160,16 +160,16 @@ def _tests(
     for level in (LOUDER[0] * so_far.quietest, LOUDER[1] * so_far.loudest):
         words = f"{verb} at {level:.3g} {unit}, {low:.3g} to {high:.3g} Hz"
         yield [(words, slice(None))], pipe.probes, _sines(so_far, low, high, level)
-    above = min(WIDER * high, pipe.modes.up_to_Hz)
-    for begin, end in ((low / WIDER, low), (high, above)):
+    above = min(FREQUENCY_WIDENING * high, pipe.modes.up_to_Hz)
+    for begin, end in ((low / FREQUENCY_WIDENING, low), (high, above)):
         if end > begin:
             words = f"{verb} from {begin:.3g} to {end:.3g} Hz at {so_far.loudest:.3g} {unit}"
             yield [(words, slice(None))], pipe.probes, _sines(so_far, begin, end, so_far.loudest)
     length = pipe.pipe.length_m
     positions = [
         position
-        for position in (length * number / (PLACES + 1) for number in range(1, PLACES + 1))
-        if all(abs(position - probe.position_m) > length / (2 * PLACES) for probe in pipe.probes)
+        for position in (length * number / (PROBE_POSITIONS + 1) for number in range(1, PROBE_POSITIONS + 1))
+        if all(abs(position - probe.position_m) > length / (2 * PROBE_POSITIONS) for probe in pipe.probes)
     ]
     if positions:
         places = tuple(Place(name=f"further{index}", position_m=position) for index, position in enumerate(positions))

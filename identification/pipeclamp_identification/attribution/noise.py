@@ -9,16 +9,16 @@ from scipy.optimize import minimize
 
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
 from pipeclamp_identification.on_pipe.series import series_of
-from pipeclamp_identification.on_pipe.sines import scatter_of, turned_error
+from pipeclamp_identification.on_pipe.sines import sine_scatter_of, turned_error
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
 MODEL_ERROR = 3e-3
 """Share of a response by which harmonic balance and the pipe's reduction may err by themselves."""
-FLOOR = 1e-3
+TRUSTED_SHARE = 1e-3
 """Share of a series' largest response below which no sensor is trusted."""
 FIRST_GUESS = (0.01, 0.01)
 """Noise before any is known: shares of the series' largest response, and of the response itself."""
-ENOUGH = 8
+FEWEST_TRIPLES = 8
 """Triples of neighbouring sines that tell how rough a misfit is."""
 OUTLIER = 9.0
 """Times its variance: a squared roughness beyond it is a resonance's flank, not noise."""
@@ -29,7 +29,7 @@ def first_guess(measurement: PipeMeasurement) -> Array:
     return _noise(measurement, *FIRST_GUESS)
 
 
-def noise_of(measurement: PipeMeasurement, computed: ComplexArray) -> Array | None:
+def misfit_noise(measurement: PipeMeasurement, computed: ComplexArray) -> Array | None:
     """Give the standard deviation of real and of imaginary parts; None where nothing tells it, (P, probes).
 
     Neighbouring frequencies have one misfit nearly, but each its own noise: what a misfit departs from the line through
@@ -39,10 +39,10 @@ def noise_of(measurement: PipeMeasurement, computed: ComplexArray) -> Array | No
         measurement: the sines.
         computed: response of a model that comes near, (P, probes).
     """
-    if np.isfinite(scatter_of(measurement)).all():
+    if np.isfinite(sine_scatter_of(measurement)).all():
         return _beside_scatter(measurement, 0.0, 0.0)
     roughness = _roughness(measurement, computed)
-    if len(roughness) < ENOUGH:
+    if len(roughness) < FEWEST_TRIPLES:
         return None
     squares, highest, sizes = np.array(roughness).T
     for _ in range(2):
@@ -77,9 +77,9 @@ def likeliest_noise(measurement: PipeMeasurement, computed: ComplexArray, parame
 
 def _beside_scatter(measurement: PipeMeasurement, floor: float, share: float) -> Array:
     """Give the noise of repeats where there are any, else that of these shares; with the model's own error."""
-    scatter = scatter_of(measurement)
+    scatter = sine_scatter_of(measurement)
     noise = np.where(np.isfinite(scatter), scatter, _noise(measurement, floor, share))
-    return np.asarray(np.hypot(noise, _noise(measurement, FLOOR, MODEL_ERROR)))
+    return np.asarray(np.hypot(noise, _noise(measurement, TRUSTED_SHARE, MODEL_ERROR)))
 
 
 def _noise(measurement: PipeMeasurement, floor: float, share: float) -> Array:

@@ -12,16 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from pipeclamp_identification.attribution.refit import Refit, Start, bounds_of, refit
+from pipeclamp_identification.attribution.refit import Refit, RefitStart, bounds_of, refit
 from pipeclamp_identification.attribution.suspect import Suspect
-from pipeclamp_identification.attribution.task import Task
+from pipeclamp_identification.attribution.task import RefitTask
 from pipeclamp_models.base.arrays import Array, IntArray
 
 HOPEFUL = 6
 """Suspects that pairs are made of, each with all others."""
-FEWEST, MOST = 5, 12
+FEWEST_PAIRS, MOST_PAIRS = 5, 12
 """Pairs that are refitted: so many at least, and all that promise as much, up to so many."""
-STARTS = 2
+STARTS_OF_A_PAIR = 2
 """Of each pair that are followed: the valleys of a position, and the two suspects as the first one."""
 
 
@@ -34,7 +34,7 @@ class PromisedPair:
         squared: what the linearised model would leave.
     """
 
-    start: Start
+    start: RefitStart
     squared: float
 
     @property
@@ -43,7 +43,7 @@ class PromisedPair:
         return frozenset(suspect.id for suspect in self.start.suspects)
 
 
-def promised_pairs(task: Task, singles: Sequence[Refit]) -> list[PromisedPair]:
+def promised_pairs(task: RefitTask, singles: Sequence[Refit]) -> list[PromisedPair]:
     """Give all pairs of a hopeful suspect and any other, best first.
 
     Args:
@@ -55,7 +55,7 @@ def promised_pairs(task: Task, singles: Sequence[Refit]) -> list[PromisedPair]:
     return sorted((pair for one in begun for pair in _promised(one)), key=lambda pair: pair.squared)
 
 
-def refitted_pairs(task: Task, promised: Sequence[PromisedPair], reach: float) -> list[Refit]:
+def refitted_pairs(task: RefitTask, promised: Sequence[PromisedPair], reach: float) -> list[Refit]:
     """Refit the pairs that promise most; of a pair's starts the best is kept.
 
     Args:
@@ -63,15 +63,15 @@ def refitted_pairs(task: Task, promised: Sequence[PromisedPair], reach: float) -
         promised: pairs, best first.
         reach: squares by which a pair may promise less than the best one and still is refitted.
     """
-    chosen: dict[frozenset[str], list[Start]] = {}
+    chosen: dict[frozenset[str], list[RefitStart]] = {}
     for pair in promised:
         own = chosen.get(pair.ids)
         if own is None:
-            full = len(chosen) >= FEWEST and pair.squared > promised[0].squared + reach
-            if full or len(chosen) >= MOST:
+            full = len(chosen) >= FEWEST_PAIRS and pair.squared > promised[0].squared + reach
+            if full or len(chosen) >= MOST_PAIRS:
                 continue
             own = chosen[pair.ids] = []
-        if len(own) < STARTS:
+        if len(own) < STARTS_OF_A_PAIR:
             own.append(pair.start)
     best: dict[frozenset[str], Refit] = {}
     for one in refit(task, [start for starts in chosen.values() for start in starts]):
@@ -81,13 +81,13 @@ def refitted_pairs(task: Task, promised: Sequence[PromisedPair], reach: float) -
     return list(best.values())
 
 
-def _beside(one: Refit, suspects: Sequence[Suspect]) -> Iterator[Start]:
+def _beside(one: Refit, suspects: Sequence[Suspect]) -> Iterator[RefitStart]:
     """Give starts of all other suspects beside a refitted one, all at neutral values: a start for each set of these."""
     others = [suspect for suspect in suspects if suspect.id != one.suspects[0].id]
     for turn in range(max(len(suspect.neutrals) for suspect in others)):
         having = [suspect for suspect in others if turn < len(suspect.neutrals)]
         neutral = [value for suspect in having for value in suspect.neutrals[turn]]
-        yield Start((*one.suspects, *having), (*one.values, *neutral), one.computed)
+        yield RefitStart((*one.suspects, *having), (*one.values, *neutral), one.computed)
 
 
 def _promised(begun: Refit) -> Iterator[PromisedPair]:
@@ -100,7 +100,7 @@ def _promised(begun: Refit) -> Iterator[PromisedPair]:
         columns = np.concatenate([own, np.arange(begin, begin + len(other.lower))])
         begin += len(other.lower)
         lower, upper = bounds_of((first, other))
-        start = Start((first, other), tuple(values[columns].tolist()), begun.computed)
+        start = RefitStart((first, other), tuple(values[columns].tolist()), begun.computed)
         yield PromisedPair(start, _least(begun, columns, lower - values[columns], upper - values[columns]))
 
 

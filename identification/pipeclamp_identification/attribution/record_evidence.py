@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.signal.windows import tukey
 
-from pipeclamp_identification.attribution.noise import FIRST_GUESS, FLOOR, MODEL_ERROR
+from pipeclamp_identification.attribution.noise import FIRST_GUESS, MODEL_ERROR, TRUSTED_SHARE
 from pipeclamp_identification.attribution.sine_evidence import BURIED
 from pipeclamp_identification.on_pipe.record_files import MotionRecord
 from pipeclamp_identification.on_pipe.record_motion import RecordPrediction
@@ -22,7 +22,7 @@ from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray
 LINES = 6
 """Of a band; all but about one of them tell the noise."""
 FEWEST_BANDS = 4
-CYCLES, MOST_PARTS = 10, 8
+FEWEST_CYCLES_A_PART, MOST_PARTS = 10, 8
 """A part of time holds so many cycles of the lowest frequency at least; and there are so many parts at most."""
 TAPER = 0.5
 """Share of a part's time over which it is faded in and out."""
@@ -67,7 +67,7 @@ def cells_of(record: MotionRecord, low: float, high: float) -> Cells:
     """Cut a record whose motion lies between two frequencies, Hz."""
     duration, size = float(record.time[-1]), record.time.size
     by_band = int((high - low) * duration / (LINES * FEWEST_BANDS))
-    parts = max(1, min(int(low * duration / CYCLES), by_band, MOST_PARTS))
+    parts = max(1, min(int(low * duration / FEWEST_CYCLES_A_PART), by_band, MOST_PARTS))
     samples = size // parts
     first = max(1, int(low * samples * record.step))
     last = min(int(np.ceil(high * samples * record.step)), samples // 2)
@@ -118,7 +118,7 @@ class RecordEvidence:
         alike = self.cells.likeness
         variance = alike / (LINES - alike) * np.mean(incoherent, axis=0)
         size = _norm(self.measured)
-        noise = np.sqrt(variance / 2 + (MODEL_ERROR * size) ** 2 + (FLOOR * size.max(axis=(0, 1))) ** 2)
+        noise = np.sqrt(variance / 2 + (MODEL_ERROR * size) ** 2 + (TRUSTED_SHARE * size.max(axis=(0, 1))) ** 2)
         return replace(self, along=along, noise=np.where(self.used, noise, 1.0))
 
     def residual(self, prediction: RecordPrediction) -> Array:

@@ -9,18 +9,18 @@ import numpy as np
 
 from pipeclamp_identification.attribution.lockstep import Evaluated, LeastSquares, fit_together
 from pipeclamp_identification.attribution.suspect import Suspect, Values
-from pipeclamp_identification.attribution.task import Computed, Family, Task
+from pipeclamp_identification.attribution.task import Computed, ModelFamily, RefitTask
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_models.base.arrays import Array
 
 NUDGE = 3e-3
 """Of a parameter's smallest start, or of itself: by so much it is moved for a derivative."""
-SETTLED = 1e-3
+WORTH_GAINING = 1e-3
 """A refit is done when no more than this share of the squared error, or of the noise's, is to be gained."""
 MOST_EVALUATIONS = 25
-CLOSE = 0.15
+CLOSE_RMS = 0.15
 """Rms of the coarse residual below which the model as stated is a good enough start."""
-ROUGHLY = 0.02
+ROUGH_GAIN = 0.02
 MOST_ROUGH = 8
 """Likewise, of the first approach on the coarse residual."""
 
@@ -70,7 +70,7 @@ class Refit:
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class RefitStart:
     """Where a refit begins: suspects, their values, and what the model says there or nearby."""
 
     suspects: tuple[Suspect, ...]
@@ -78,7 +78,7 @@ class Start:
     near: Computed
 
 
-def as_stated(task: Task) -> Refit:
+def as_stated(task: RefitTask) -> Refit:
     """Give the model as it is stated."""
     residual = task.residual(task.stated)
     return Refit((), (), task.stated, residual, np.zeros((residual.size, 0)))
@@ -99,17 +99,17 @@ def changed(model: CoupledModel, suspects: Sequence[Suspect], values: Values) ->
     return model
 
 
-def refit(task: Task, starts: Sequence[Start], most: Sequence[int] | int = MOST_EVALUATIONS) -> list[Refit]:
+def refit(task: RefitTask, starts: Sequence[RefitStart], most: Sequence[int] | int = MOST_EVALUATIONS) -> list[Refit]:
     """Refit from each start, all in lock step, in so many evaluations at most."""
-    negligible = SETTLED * task.residual(task.stated).size
-    found = _fitted(task, starts, task.residual, (SETTLED, negligible), most)
+    negligible = WORTH_GAINING * task.residual(task.stated).size
+    found = _fitted(task, starts, task.residual, (WORTH_GAINING, negligible), most)
     return [
         Refit(start.suspects, tuple(one.values.tolist()), one.state, one.residual, one.jacobian)
         for start, one in zip(starts, found, strict=True)
     ]
 
 
-def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
+def searched(task: RefitTask, suspects: Sequence[Suspect]) -> list[RefitStart]:
     """Give where the refit of each suspect alone should begin.
 
     Starts are tried outwards from the model as stated, each from its neighbour's motion; from the best of them the
@@ -118,8 +118,8 @@ def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
     """
     coarse = task.coarse_residual(task.stated)
     least = float(coarse @ coarse)
-    near_enough = least < CLOSE**2 * coarse.size
-    stated = [Start((suspect,), suspect.neutral, task.stated) for suspect in suspects]
+    near_enough = least < CLOSE_RMS**2 * coarse.size
+    stated = [RefitStart((suspect,), suspect.neutral, task.stated) for suspect in suspects]
     open_ones = [
         index
         for index, suspect in enumerate(suspects)
@@ -132,7 +132,7 @@ def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
     for number in range(min(longest, 1) if near_enough else longest):
         tried = [place for place, (_, ray) in enumerate(rays) if number < len(ray) and last[place] is not None]
         families = [
-            Family([changed(task.model, (suspects[rays[place][0]],), rays[place][1][number])], last[place])
+            ModelFamily([changed(task.model, (suspects[rays[place][0]],), rays[place][1][number])], last[place])
             for place in tried
         ]
         for place, (computed,) in zip(tried, task.computed(families), strict=True):
@@ -143,13 +143,13 @@ def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
                 continue
             last[place] = computed
             if squared < best[index][0]:
-                best[index] = squared, Start((suspects[index],), ray[number], computed)
+                best[index] = squared, RefitStart((suspects[index],), ray[number], computed)
     if near_enough:
         return [best[index][1] if index in best else start for index, start in enumerate(stated)]
     begun = [start for _, start in best.values()]
-    rough = _fitted(task, begun, task.coarse_residual, (ROUGHLY, 0.0), MOST_ROUGH)
+    rough = _fitted(task, begun, task.coarse_residual, (ROUGH_GAIN, 0.0), MOST_ROUGH)
     for index, start, found in zip(best, begun, rough, strict=True):
-        stated[index] = Start(start.suspects, tuple(found.values.tolist()), found.state)
+        stated[index] = RefitStart(start.suspects, tuple(found.values.tolist()), found.state)
     return stated
 
 
@@ -165,8 +165,8 @@ def _rays(suspect: Suspect) -> list[list[Values]]:
 
 
 def _fitted(
-    task: Task,
-    starts: Sequence[Start],
+    task: RefitTask,
+    starts: Sequence[RefitStart],
     residual_of: Callable[[Computed], Array],
     tolerances: tuple[float, float],
     most: Sequence[int] | int,
@@ -187,7 +187,7 @@ def _fitted(
             moves.append(steps)
             places = [values, *(values + np.diag(steps))]
             models = [changed(task.model, starts[index].suspects, tuple(place.tolist())) for place in places]
-            families.append(Family(models, near))
+            families.append(ModelFamily(models, near))
         return [
             _evaluated(values, computed, steps, residual_of)
             for (_, values, _), steps, computed in zip(asked, moves, task.computed(families), strict=True)
@@ -227,7 +227,7 @@ def _evaluated(
     return Evaluated(values, first, here, columns)
 
 
-def _still(start: Start, task: Task, residual_of: Callable[[Computed], Array]) -> Evaluated[Computed]:
+def _still(start: RefitStart, task: RefitTask, residual_of: Callable[[Computed], Array]) -> Evaluated[Computed]:
     """Give the model as stated, where nothing else has a motion."""
     values = _neutral(start.suspects)
     residual = residual_of(task.stated)

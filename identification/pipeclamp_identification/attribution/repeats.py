@@ -8,7 +8,7 @@ from math import ceil, sqrt
 import numpy as np
 from scipy.stats import norm
 
-from pipeclamp_identification.attribution.next_test import Proposal
+from pipeclamp_identification.attribution.next_test import PipeTestProposal
 from pipeclamp_identification.attribution.verdict import RULED_OUT_SQUARES, Attribution
 
 MISSED_CHANCE = 0.05
@@ -38,7 +38,7 @@ class Repeats:
         )
 
 
-NextMeasurement = Proposal | Repeats
+NextMeasurement = PipeTestProposal | Repeats
 
 
 def repeats(found: Attribution) -> Repeats | None:

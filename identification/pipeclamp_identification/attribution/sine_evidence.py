@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.attribution.noise import first_guess, likeliest_noise, noise_of
+from pipeclamp_identification.attribution.noise import first_guess, likeliest_noise, misfit_noise
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
 from pipeclamp_identification.on_pipe.prediction import Prediction
 from pipeclamp_identification.on_pipe.series import series_of
@@ -38,7 +38,7 @@ class SineEvidence:
 
     def renewed(self, near: Prediction) -> SineEvidence | None:
         """Give it with the noise that a model that comes near shows; None where nothing tells the noise."""
-        noise = noise_of(self.measurement, near.response)
+        noise = misfit_noise(self.measurement, near.response)
         return None if noise is None else replace(self, noise=noise)
 
     def explained(self, near: Prediction, parameters: int) -> SineEvidence:

@@ -14,9 +14,9 @@ Side = Literal["pipe", "clamp", "measurement"]
 Values = tuple[float, ...]
 Change = Callable[[CoupledModel, Values], CoupledModel]
 
-FACTORS = (-1.2, -0.4, 0.4, 1.2)
+LOG_FACTORS = (-1.2, -0.4, 0.4, 1.2)
 """Logarithms of factors at which a search begins: a quarter to four times what is stated."""
-MOST = 5.0
+LARGEST_LOG_FACTOR = 5.0
 """Logarithm of the largest factor."""
 
 
@@ -61,7 +61,7 @@ class Suspect:
 
 
 @dataclass(frozen=True)
-class Search:
+class ValueSearch:
     """Where a search for values begins, and within which bounds; as of `Suspect`."""
 
     starts: tuple[Values, ...]
@@ -69,7 +69,7 @@ class Search:
     upper: Values
 
 
-A_FACTOR = Search(tuple((value,) for value in FACTORS), (-MOST,), (MOST,))
+A_FACTOR = ValueSearch(tuple((value,) for value in LOG_FACTORS), (-LARGEST_LOG_FACTOR,), (LARGEST_LOG_FACTOR,))
 """Of a factor by its logarithm."""
 
 

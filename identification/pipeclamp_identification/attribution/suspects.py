@@ -11,12 +11,12 @@ from pipeclamp_identification.attribution.measuring_suspects import measuring_su
 from pipeclamp_identification.attribution.misstated import misstated
 from pipeclamp_identification.attribution.suspect import (
     A_FACTOR,
-    FACTORS,
-    MOST,
+    LARGEST_LOG_FACTOR,
+    LOG_FACTORS,
     Change,
-    Search,
     Suspect,
     Values,
+    ValueSearch,
     amount_words,
     factor_words,
 )
@@ -26,18 +26,18 @@ from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_models.effects.cubic_stiffness import k3
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law
-from pipeclamp_models.pipe.description import Condition, Damping, PipeDescription, PointMass, Springs
-from pipeclamp_models.pipe.modes import RIGID as RIGIDLY_HELD
+from pipeclamp_models.pipe.description import Damping, EndCondition, PipeDescription, PointMass, Springs
+from pipeclamp_models.pipe.modes import CONDITION_STIFFNESS
 from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.steady.clamp import SteadyClamp
 
 SMALL_FACTOR = 0.1
 """Logarithm, likewise, of a factor that only corrects another one."""
-SHARES = (0.01, 0.05, 0.2)
+SHARE_STARTS = (0.01, 0.05, 0.2)
 """Shares, likewise, of what has no size of its own."""
-PLACES = 6
+MASS_POSITIONS = 6
 """Positions along the pipe at which the search for a mass begins."""
-RIGID = 1e6
+RIGID_SIDE = 1e6
 """Times the pipe's own stiffness: that of the other direction of a support that gives way in one."""
 CUBIC = str(k3)
 """The coefficient of a law's cubic stiffness: at large motion it may be wrong by another factor."""
@@ -106,9 +106,9 @@ def _clamps(model: CoupledModel) -> Iterator[Suspect]:
                 words=f"the {role} of clamp {name}",
                 change=partial(_scaled_clamp, index, tuple(parameters)),
                 told=_clamp_words,
-                starts=tuple((value, *(SMALL_FACTOR for _ in more)) for value in FACTORS),
-                lower=(-MOST, *(-MOST for _ in more)),
-                upper=(MOST, *(MOST for _ in more)),
+                starts=tuple((value, *(SMALL_FACTOR for _ in more)) for value in LOG_FACTORS),
+                lower=(-LARGEST_LOG_FACTOR, *(-LARGEST_LOG_FACTOR for _ in more)),
+                upper=(LARGEST_LOG_FACTOR, *(LARGEST_LOG_FACTOR for _ in more)),
             )
 
 
@@ -139,7 +139,7 @@ def _held(pipe: PipeDescription) -> Iterator[Suspect]:
     length = pipe.pipe.length_m
     bending = beam_of(pipe).bending_stiffness
     own = Springs(stiffness_N_mm=48e-3 * bending / length**3, rotational_stiffness_Nm_rad=bending / length)
-    places: list[tuple[str | int, str, Condition, str]] = [
+    places: list[tuple[str | int, str, EndCondition, str]] = [
         ("left", "left", pipe.ends.left, "the left end"),
         ("right", "right", pipe.ends.right, "the right end"),
         *(
@@ -174,10 +174,10 @@ class _Holding:
 
     stiffness: Callable[[float], float]
     told: Callable[[Values, Values], str]
-    search: Search
+    search: ValueSearch
 
 
-def _holding(condition: Condition, name: str, own: Springs, unit: str) -> _Holding | None:
+def _holding(condition: EndCondition, name: str, own: Springs, unit: str) -> _Holding | None:
     """Give how a stiffness may be wrong; None where it is left out.
 
     What is rigid gives way by a compliance, counted in that of the pipe; a pin may hold the slope by a stiffness,
@@ -189,19 +189,19 @@ def _holding(condition: Condition, name: str, own: Springs, unit: str) -> _Holdi
         if not stated:
             return None
         return _Holding(lambda value: stated * exp(value), partial(factor_words, "", stated, unit), A_FACTOR)
-    shares = Search(tuple((share,) for share in SHARES), (0.0,), (100.0,))
+    shares = ValueSearch(tuple((share,) for share in SHARE_STARTS), (0.0,), (100.0,))
     if getattr(_springs(condition, own), name):
-        return _Holding(lambda value: size / max(value, 1 / RIGID), partial(_compliance_words, size, unit), shares)
+        return _Holding(lambda value: size / max(value, 1 / RIGID_SIDE), partial(_compliance_words, size, unit), shares)
     if condition == "pinned":
         return _Holding(lambda value: size * value, partial(amount_words, size, unit, "instead of none"), shares)
     return None
 
 
-def _springs(condition: Condition, own: Springs) -> Springs:
+def _springs(condition: EndCondition, own: Springs) -> Springs:
     """Give a condition as springs, far stiffer than the pipe where it is rigid."""
     if isinstance(condition, Springs):
         return condition
-    displacement, slope = (RIGID if stiffness else 0.0 for stiffness in RIGIDLY_HELD[condition])
+    displacement, slope = (RIGID_SIDE if stiffness else 0.0 for stiffness in CONDITION_STIFFNESS[condition])
     return Springs(
         stiffness_N_mm=displacement * own.stiffness_N_mm,
         rotational_stiffness_Nm_rad=slope * own.rotational_stiffness_Nm_rad,
@@ -225,7 +225,7 @@ def _held_otherwise(
 
 
 def _compliance_words(size: float, unit: str, values: Values, errors: Values) -> str:
-    if values[0] <= 1 / RIGID:
+    if values[0] <= 1 / RIGID_SIDE:
         return "rigid, as stated"
     return f"{size / values[0]:.3g} {unit} (± {errors[0] / values[0]:.0%}) instead of rigid"
 
@@ -251,7 +251,7 @@ def _damping(pipe: PipeDescription) -> Suspect:
     if stated.ratio:
         told = partial(factor_words, "", 100 * stated.ratio, "% of critical")
     if not any(value for value in stated.model_dump().values()):
-        change, search = damped_at_all, Search(((0.3,), (1.0,), (3.0,)), (0.0,), (50.0,))
+        change, search = damped_at_all, ValueSearch(((0.3,), (1.0,), (3.0,)), (0.0,), (50.0,))
         told = partial(amount_words, 100 * SMALL_RATIO, "% of critical", "instead of none")
     return Suspect(
         id="damping",
@@ -298,7 +298,7 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         lower=(-0.7,),
         upper=(3.0,),
     )
-    places = [(index + 0.5) / PLACES for index in range(PLACES)]
+    places = [(index + 0.5) / MASS_POSITIONS for index in range(MASS_POSITIONS)]
     yield Suspect(
         id="added_mass",
         side="pipe",

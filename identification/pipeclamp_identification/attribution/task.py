@@ -27,7 +27,7 @@ class Computed:
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class ModelFamily:
     """A model and such as differ from it a little, with what a model near them says."""
 
     models: Sequence[CoupledModel]
@@ -35,7 +35,7 @@ class Family:
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class RefitTask:
     """What refits are fitted to.
 
     Attributes:
@@ -86,7 +86,7 @@ class Task:
         known = self.sines.on_known_branches()
         return residual[np.pad(known, (0, residual.size - known.size), constant_values=True)]
 
-    def renewed(self, near: Computed, left: float) -> Task:
+    def renewed(self, near: Computed, left: float) -> RefitTask:
         """Give the task with the noise that a model that comes near shows.
 
         Args:
@@ -99,7 +99,7 @@ class Task:
         records = tuple(evidence.renewed(one) for evidence, one in zip(self.records, near.records, strict=True))
         return replace(self, sines=sines, records=records)
 
-    def explained(self, by: Computed, parameters: int) -> Task:
+    def explained(self, by: Computed, parameters: int) -> RefitTask:
         """Give the task with the noise of its sines of which all is that a model leaves.
 
         Args:
@@ -109,7 +109,7 @@ class Task:
         explained = self.sines and by.sines and self.sines.explained(by.sines, parameters)
         return replace(self, sines=explained) if explained else self
 
-    def computed(self, families: Sequence[Family]) -> list[list[Computed | None]]:
+    def computed(self, families: Sequence[ModelFamily]) -> list[list[Computed | None]]:
         """Give what models say; None where one can't be built, or has no motion."""
         sines = [self._sines(family) for family in families]
         flat = [(model, family.near) for family in families for model in family.models]
@@ -130,7 +130,7 @@ class Task:
                 found[-1].append(Computed(still, whole) if there else None)
         return found
 
-    def _sines(self, family: Family) -> list[Prediction | None]:
+    def _sines(self, family: ModelFamily) -> list[Prediction | None]:
         """Give what each model says of the sines; the first one's steady states are near to the others'."""
         if self.sines is None:
             return [None] * len(family.models)
@@ -147,11 +147,11 @@ class Task:
         return found
 
 
-def task_of(model: CoupledModel, sines: SineEvidence | None, records: RecordsComparison | None) -> Task:
+def task_of(model: CoupledModel, sines: SineEvidence | None, records: RecordsComparison | None) -> RefitTask:
     """Give the task of a model and what was measured; the model is taken to say what was stated with it."""
     pairs = records.pairs if records else ()
     ends = (float(records.edges[0]), float(records.edges[-1])) if records else (0.0, 0.0)
-    return Task(
+    return RefitTask(
         model,
         Computed(sines.stated if sines else None, tuple(pair.prediction for pair in pairs)),
         sines,

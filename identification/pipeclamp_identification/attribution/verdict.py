@@ -20,7 +20,7 @@ from pipeclamp_identification.attribution.pairs import promised_pairs, refitted_
 from pipeclamp_identification.attribution.refit import (
     MOST_EVALUATIONS,
     Refit,
-    Start,
+    RefitStart,
     as_stated,
     bounds_of,
     changed,
@@ -30,15 +30,15 @@ from pipeclamp_identification.attribution.refit import (
 from pipeclamp_identification.attribution.sine_evidence import SineEvidence
 from pipeclamp_identification.attribution.suspect import Suspect
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
-from pipeclamp_identification.attribution.task import Task, task_of
+from pipeclamp_identification.attribution.task import RefitTask, task_of
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
-Verdict = Literal["complete", "wrong", "ambiguous", "unknown"]
+PipeVerdict = Literal["complete", "wrong", "ambiguous", "unknown"]
 
-FEWEST = 20
+FEWEST_VALUES = 20
 """Measured values, an amplitude and a phase being two, of which it can be asked what is wrong."""
 BLOCKS = 10
 """Parts of neighbouring frequencies that are left out in turn."""
@@ -69,7 +69,7 @@ EXPLAINED_SQUARES_SHARE = 0.7
 """Share of the squared misfit that a suspect must take away to be named although more than noise is left."""
 PLAIN_SQUARES_SHARE = 0.9
 """Likewise, of one that is named as a part although all together leave clearly less."""
-NEAR = 30.0
+NEAR_IN_SQUARES = 30.0
 """Suspects that leave more squares than this times the best one's are not refitted once the noise is known."""
 
 
@@ -141,14 +141,14 @@ class Attribution:
         noise_unknown: whether more is left than can be taken for noise, and no sine was repeated that would tell.
     """
 
-    verdict: Verdict
+    verdict: PipeVerdict
     named: tuple[Candidate, ...]
     candidates: tuple[Candidate, ...]
     stated: Candidate
     together: Candidate
     left: float
-    task: Task
-    kind: Kind | None = None
+    task: RefitTask
+    kind: NamedKind | None = None
     branch_unknown: bool = False
     noise_unknown: bool = False
 
@@ -166,7 +166,7 @@ def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribu
         tell: told what is being done.
     """
     task = stated_task(compared)
-    if as_stated(task).residual.size < FEWEST:
+    if as_stated(task).residual.size < FEWEST_VALUES:
         return None
     suspects = suspects_of(compared.model, compared.description)
     tell("refit each parameter alone")
@@ -188,7 +188,7 @@ def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribu
     return _judged(compared, task, singles, together, tell)
 
 
-def stated_task(compared: Compared) -> Task:
+def stated_task(compared: Compared) -> RefitTask:
     """Give what is fitted to, with mounts on the clamps and a first guess of the noise."""
     model = with_mounts(compared.model)
     sines = None
@@ -198,7 +198,7 @@ def stated_task(compared: Compared) -> Task:
     return task_of(model, sines, compared.records)
 
 
-def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: PipeComparison) -> list[Refit]:
+def _on_the_nearest_branches(task: RefitTask, refits: Sequence[Refit], comparison: PipeComparison) -> list[Refit]:
     """Refit once more where a refitted model has stable motions nearer to the measured ones than those it is on.
 
     It takes following the response: all refits (best first) are looked at where none comes near, else those that come
@@ -218,42 +218,42 @@ def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: Pi
         computed = replace(one.computed, sines=fresh)
         residual = task.residual(computed)
         if float(residual @ residual) < MUCH_LESS_RMS_SHARE**2 * one.squared:
-            (found[index],) = refit(task, [Start(one.suspects, one.values, computed)])
+            (found[index],) = refit(task, [RefitStart(one.suspects, one.values, computed)])
     return found
 
 
-def _again(task: Task, refits: Sequence[Refit]) -> list[Refit]:
+def _again(task: RefitTask, refits: Sequence[Refit]) -> list[Refit]:
     """Refit with another noise, from where refits ended."""
     return refit(task, [_from(one) for one in refits], _limits(task, refits))
 
 
-def _from(one: Refit) -> Start:
+def _from(one: Refit) -> RefitStart:
     """Go on from a refit."""
-    return Start(one.suspects, one.values, one.computed)
+    return RefitStart(one.suspects, one.values, one.computed)
 
 
-def _all_from(suspects: Sequence[Suspect], best: Refit) -> Start:
+def _all_from(suspects: Sequence[Suspect], best: Refit) -> RefitStart:
     """Begin with all suspects at once, from the best single one."""
     values = [best.values if suspect.id == best.suspects[0].id else suspect.neutral for suspect in suspects]
-    return Start(tuple(suspects), tuple(value for part in values for value in part), best.computed)
+    return RefitStart(tuple(suspects), tuple(value for part in values for value in part), best.computed)
 
 
-def _limits(task: Task, refits: Iterable[Refit]) -> list[int]:
+def _limits(task: RefitTask, refits: Iterable[Refit]) -> list[int]:
     """Give how often each refit may be evaluated once more: but once where it can't matter any more."""
     residuals = [task.residual(one.computed) for one in refits]
     squares = [float(residual @ residual) for residual in residuals]
     least = min(squares)
     return [
-        MOST_EVALUATIONS if squared < NEAR * max(least, residual.size) else 1
+        MOST_EVALUATIONS if squared < NEAR_IN_SQUARES * max(least, residual.size) else 1
         for squared, residual in zip(squares, residuals, strict=True)
     ]
 
 
-def _candidate(compared: Compared, task: Task, one: Refit) -> Candidate:
+def _candidate(compared: Compared, task: RefitTask, one: Refit) -> Candidate:
     return Candidate(one, _heldout(task, one), compared.saying(one.computed).nrmse)
 
 
-def _heldout(task: Task, one: Refit) -> float:
+def _heldout(task: RefitTask, one: Refit) -> float:
     """Give the squares that are left where a part of the frequencies is left out of the fit in turn.
 
     What the values would be without it is the Gauss-Newton step from the fit to all, within bounds.
@@ -270,13 +270,15 @@ def _heldout(task: Task, one: Refit) -> float:
     return total
 
 
-def _judged(compared: Compared, task: Task, singles: list[Candidate], together: Refit, tell: Progress) -> Attribution:
+def _judged(
+    compared: Compared, task: RefitTask, singles: list[Candidate], together: Refit, tell: Progress
+) -> Attribution:
     """Give the verdict."""
     stated = _candidate(compared, task, as_stated(task))
     everything = _candidate(compared, task, together)
 
     def found(
-        verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate], kind: Kind | None = None
+        verdict: PipeVerdict, named: Sequence[Candidate], candidates: Sequence[Candidate], kind: NamedKind | None = None
     ) -> Attribution:
         left = (candidates[0] if verdict != "complete" else stated).refit.rms
         return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task, kind)
@@ -304,12 +306,12 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
         return replace(found("unknown", (), candidates), branch_unknown=True)
     # A rival needn't be beyond doubt by itself: it is enough that the best one doesn't rule it out.
     rivals = [one for one in of_size if one is best or (not _rules_out(best, one) and _may_help(one, stated))]
-    verdict: Verdict = "wrong" if len(rivals) == 1 else "ambiguous"
+    verdict: PipeVerdict = "wrong" if len(rivals) == 1 else "ambiguous"
     return replace(found(verdict, rivals, candidates, "cause" if noise_only else "part"), noise_unknown=not told)
 
 
 def _pairs(
-    compared: Compared, task: Task, singles: Sequence[Candidate], everything: Candidate, tell: Progress
+    compared: Compared, task: RefitTask, singles: Sequence[Candidate], everything: Candidate, tell: Progress
 ) -> list[Candidate]:
     """Give refitted pairs, best first; none where no second suspect promises clearly more than the best one alone."""
     best, reach = singles[0], CLEARLY_MORE_SQUARES * everything.overdispersion
@@ -321,7 +323,7 @@ def _pairs(
     return sorted(pairs, key=lambda one: one.unlikelihood)
 
 
-def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
+def _hangs_on_a_branch(task: RefitTask, stated: Candidate, best: Candidate) -> bool:
     """Tell whether a candidate explains nothing but sines of which it isn't known which stable motion was measured."""
     before, after = (task.on_known_branches(one.refit.residual) for one in (stated, best))
     gained = float(before @ before) - float(after @ after)

@@ -30,7 +30,7 @@ FEWEST_PILED, PILED_OVER_NEXT, NEXT_VALUES = 8, 5, 4
 # as many runs as must share an extreme value, and by how much their amplitudes must differ, to be no chance
 FEWEST_AT_END, AMPLITUDES_APART = 3, 1.05
 # values that differ by less than this share of half the range are one
-ROUNDING = 1e-9
+ROUNDING_SHARE = 1e-9
 # a range of fewer quanta than this meets the same value twice by chance
 FEWEST_QUANTA = 500
 
@@ -86,7 +86,7 @@ def _piles_up(samples: Array, at: BoolArray) -> bool:
     if count < FEWEST_PILED:
         return False
     # a periodic record without noise meets each of its values once a cycle, but for rounding
-    _, counts = np.unique(np.round(samples / (ROUNDING * np.ptp(samples) / 2)), return_counts=True)
+    _, counts = np.unique(np.round(samples / (ROUNDING_SHARE * np.ptp(samples) / 2)), return_counts=True)
     beside = counts[1 : 1 + NEXT_VALUES] if samples[at][0] == np.min(samples) else counts[-1 - NEXT_VALUES : -1]
     return bool(count > PILED_OVER_NEXT * np.max(beside, initial=1))
 
@@ -162,7 +162,7 @@ def quantum_of(samples: Array) -> float:
     half_range = float(np.ptp(samples)) / 2
     steps = np.diff(np.unique(samples))
     # two readings of one value may differ by rounding where a factor was applied
-    return float(np.min(steps[steps > ROUNDING * half_range], initial=half_range))
+    return float(np.min(steps[steps > ROUNDING_SHARE * half_range], initial=half_range))
 
 
 def _quantised_share(samples: Array) -> float:

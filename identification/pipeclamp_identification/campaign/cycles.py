@@ -18,7 +18,7 @@ from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 # neighbouring cycles of a ramp differ by more than this share of the amplitude, in amplitude or in mean
 RAMP = 0.02
 # neighbouring cycles of a steady drive may always differ by this
-STEADY = 0.005
+STEADY_SHARE = 0.005
 # a first cycle stands apart when the force changes after it this many times more than after any other, and by this
 # share of its amplitude at least
 FRESH_TIMES = 4.0
@@ -30,11 +30,11 @@ DISTORTION = 5
 # the highest order of small cycles that ride on a large one, which are part of the drive as its fundamental is
 RIDING_ORDER = 20
 # a way back of less than this share of the whole one is no turn of a record that may be one cycle
-TURN = 0.1
+TURN_BACK_SHARE = 0.1
 # what such a record may lack until it is where it began, in units of its longest step
 LACKING = 1.25
 # the fewest samples per cycle with which a loop's shape is more than guesswork
-FEWEST_SAMPLES = 8
+FEWEST_SAMPLES_PER_CYCLE = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
 SAMPLES_ENOUGH = 128
 # and of many cycles, with which the sine is found that they are split by
@@ -98,7 +98,7 @@ def find_cycles(record: Record) -> Cycles:
     time, y = record.time_s - record.time_s[0], record.displacement_mm
     duration = time[-1]
     interval = duration / max(len(time) - 1, 1)
-    if duration <= 0.0 or len(time) < FEWEST_SAMPLES:
+    if duration <= 0.0 or len(time) < FEWEST_SAMPLES_PER_CYCLE:
         raise UnusableRecord(f"no full cycle: {len(time)} samples over {duration:g} s")
     frequency = _coarse_frequency(time, y, interval)
     _require_samples(time, y, frequency, interval)
@@ -137,10 +137,10 @@ def _closing_frequency(time: Array, y: Array) -> float | None:
     A cycle that was cut out by a counter lacks its last step, and ends on its way there.
     """
     size = float(np.ptp(y))
-    turns = turning_points(y, np.full(len(y), TURN * size))
+    turns = turning_points(y, np.full(len(y), TURN_BACK_SHARE * size))
     if len(turns) - 2 > 2:
         return None
-    if abs(y[-1] - y[0]) <= STEADY * size:
+    if abs(y[-1] - y[0]) <= STEADY_SHARE * size:
         return float(1.0 / time[-1])
     if not lacks_a_step(y):
         return None
@@ -155,12 +155,12 @@ def lacks_a_step(y: Array) -> bool:
 
 
 def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:
-    if frequency * interval * FEWEST_SAMPLES > 1.0:
+    if frequency * interval * FEWEST_SAMPLES_PER_CYCLE > 1.0:
         # the strongest line of noise lies anywhere
         _require_vibration(y, *_fitted_sine(time, y, frequency))
         raise UnusableRecord(
             f"too few samples: {1.0 / (frequency * interval):.1f} per cycle at {frequency:.4g} Hz; "
-            f"expected at least {FEWEST_SAMPLES}"
+            f"expected at least {FEWEST_SAMPLES_PER_CYCLE}"
         )
     gap = np.diff(time)
     widest = int(np.argmax(gap))
@@ -248,7 +248,7 @@ def _steady_samples(time: Array, y: Array, frequency: float, interval: float) ->
     amplitude, mean = np.abs(harmonics[:, 1]), harmonics[:, 0].real
     change = np.maximum(np.abs(np.diff(amplitude)), np.abs(np.diff(mean))) / np.max(amplitude)
     # what most cycles do is this drive's own scatter
-    agree = change <= min(max(4 * median(change.tolist()), STEADY), RAMP)
+    agree = change <= min(max(4 * median(change.tolist()), STEADY_SHARE), RAMP)
     rows = np.split(np.arange(len(amplitude)), np.flatnonzero(~agree) + 1)
     # rest before the test is steady too, but has no amplitude
     rows = [row for row in rows if np.max(amplitude[row]) > np.max(amplitude) / 2]

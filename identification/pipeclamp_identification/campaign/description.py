@@ -12,7 +12,7 @@ from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, state
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import set_aside
 from pipeclamp_models.base.shell import shell_line
-from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
+from pipeclamp_models.base.toml_file import Number, TomlTable, read_table, unknown
 
 FILE_NAME = "campaign.toml"
 UNTIMED = (
@@ -73,7 +73,7 @@ class ColumnSource(BaseModel):
         return stated_conversion(QUANTITY_OF[ours], self.name, self.factor)
 
 
-class ColumnSources(Table):
+class ColumnSources(TomlTable):
     """The table [columns]; a column that isn't there has our own name."""
 
     time_s: ColumnSource | None = None
@@ -101,7 +101,7 @@ class ColumnSources(Table):
         return {ours: source for ours, source in pairs.items() if source is not None}
 
 
-class ImportedColumn(Table):
+class ImportedColumn(TomlTable):
     """A channel of a file that became one of our columns: ours = factor * theirs + offset."""
 
     channel: StrictStr = Field(description="name and unit, as the file has them")
@@ -111,7 +111,7 @@ class ImportedColumn(Table):
     stated: bool = Field(default=False, description="by the user, not by the file's names")
 
 
-class ImportedFile(Table):
+class ImportedFile(TomlTable):
     """A test machine's file."""
 
     file: StrictStr
@@ -121,7 +121,7 @@ class ImportedFile(Table):
     columns: dict[StrictStr, ImportedColumn]
 
 
-class ImportedRun(Table):
+class ImportedRun(TomlTable):
     """A run, the samples that it was cut from, and what was done to them."""
 
     run: StrictStr
@@ -132,7 +132,7 @@ class ImportedRun(Table):
     done: tuple[StrictStr, ...] = ()
 
 
-class ImportedCut(Table):
+class ImportedCut(TomlTable):
     """Samples of a file that are in no run, and why."""
 
     file: StrictStr
@@ -141,7 +141,7 @@ class ImportedCut(Table):
     why: StrictStr
 
 
-class LeftOutFile(Table):
+class LeftOutFile(TomlTable):
     """A file that couldn't be used, was left out as the user said, and why."""
 
     file: StrictStr
@@ -149,7 +149,7 @@ class LeftOutFile(Table):
     why: StrictStr
 
 
-class ImportedDelay(Table):
+class ImportedDelay(TomlTable):
     """A delay of the force behind the displacement that all runs share, as it was found; it is not taken off."""
 
     delay_ms: Number
@@ -157,7 +157,7 @@ class ImportedDelay(Table):
     words: StrictStr
 
 
-class Imported(Table):
+class Imported(TomlTable):
     """The table [imported] of campaign.toml."""
 
     software: StrictStr = ""
@@ -168,7 +168,7 @@ class Imported(Table):
     left_out: tuple[LeftOutFile, ...] = ()
 
 
-class CampaignDescription(Table):
+class CampaignDescription(TomlTable):
     """campaign.toml as docs/reference/campaign.md describes it."""
 
     name: Text

@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.clipping import COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
-from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, named
+from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, runs_named
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.between_cycles import between_cycles
@@ -33,12 +33,12 @@ GAIN_SHARE = 0.02
 """A gain that moves by less is within what clamps do in a test by themselves."""
 POOLED_FREEDOMS = 4.0
 """The weight, in degrees of freedom, of the scatter of all runs as a first estimate of each run's own."""
-GOES_ON = 0.3
+GOES_ON_SHARE = 0.3
 """A drift goes on: its later half is this share of its earlier one at least. What dies away is the clamp's memory of
 the test's beginning."""
-FOLLOWED = 0.3
+FOLLOWED_SHARE = 0.3
 """A quantity that moves by less than this share of what another would make of it doesn't follow that."""
-ALONE = 0.5
+BY_ITSELF_SHARE = 0.5
 """A mean force has moved by itself where the mean position makes less than about half of its change: what positions do
 is known roughly, by the loop's stiffness."""
 MOTION_STAYS = 0.25
@@ -57,11 +57,11 @@ MEAN_OF_LOOP = 0.5
 """A loop that changes takes its mean along, by so much of its change where its halves are as unequal as clamps are."""
 SAME_WAY, FEWEST_ALIKE = 0.9, 6
 """Runs drift together where this share of so many at least drifts one way."""
-FEWEST_CYCLES = 3
+FEWEST_CYCLES_THAT_DRIFT = 3
 OWN_SHARE = 0.2
 """Share of the order's own variance that the conditions must leave: a plan that was run in the order of its conditions
 can't tell a drift from them."""
-MOST_LEFT_OUT = 0.5
+LEFT_OUT_SHARE = 0.5
 """If more than this share of the runs shows a falling gain, they are kept: nothing would be left to judge by."""
 
 
@@ -157,7 +157,7 @@ def drifting(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
 
 
 def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
-    long = [run for run in runs if len(run.by_cycle.force) >= FEWEST_CYCLES]
+    long = [run for run in runs if len(run.by_cycle.force) >= FEWEST_CYCLES_THAT_DRIFT]
     if not long:
         return {}
     series = []
@@ -231,20 +231,20 @@ def _goes_on(values: Array) -> bool:
     """Tell whether a drift goes on in the later half of its cycles as in the earlier one."""
     half = (len(values) + 1) // 2
     early, late = float(values[half - 1] - values[0]), float(values[-1] - values[-half])
-    return late * early > 0 and abs(late) >= GOES_ON * abs(early)
+    return late * early > 0 and abs(late) >= GOES_ON_SHARE * abs(early)
 
 
-Found = dict[str, Change]
+FoundChanges = dict[str, Change]
 
 
-def _force_zeros(found: Mapping[str, InRecord]) -> Found:
+def _force_zeros(found: Mapping[str, InRecord]) -> FoundChanges:
     """Find mean forces that drift while position and loop stay."""
     every = _of_all([one.mean_force for one in found.values()])
     drifts = {}
     for run, one in found.items():
         followed = one.stiffness_share * one.mean_displacement.size
         size = abs(one.mean_force.size)
-        alone = abs(one.mean_force.size - followed) > ALONE * size and size > MEAN_OF_LOOP * one.loop
+        alone = abs(one.mean_force.size - followed) > BY_ITSELF_SHARE * size and size > MEAN_OF_LOOP * one.loop
         if alone and (every or (one.goes_on[0] and one.mean_force.is_real(len(found), ZERO_SHARE))):
             drifts[run] = one.mean_force
     return drifts
@@ -259,7 +259,7 @@ def _of_all(changes: Sequence[Change]) -> bool:
     return Change(float(np.mean(sizes)), error, len(sizes) - 1).is_real(1, ZERO_SHARE)
 
 
-def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
+def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> FoundChanges:
     """Find mean positions that drift.
 
     Args:
@@ -271,14 +271,14 @@ def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
     for run, one in found.items():
         force = abs(one.stiffness_share * one.mean_displacement.size)
         seen = force > SEEN_STANDARD_ERRORS * one.mean_force.error
-        stays = abs(one.mean_force.size) < FOLLOWED * force
+        stays = abs(one.mean_force.size) < FOLLOWED_SHARE * force
         real = one.goes_on[1] and one.mean_displacement.is_real(len(found), ZERO_SHARE)
         if (every or real) and seen is told and (stays or not told):
             drifts[run] = one.mean_displacement
     return drifts
 
 
-def _force_gains(found: Mapping[str, InRecord]) -> Found:
+def _force_gains(found: Mapping[str, InRecord]) -> FoundChanges:
     """Find forces of which stiffness and damping change in one ratio, while the motion stays."""
     drifts = {}
     for run, one in found.items():
@@ -301,13 +301,13 @@ def alike(one: Change, other: Change) -> Change | None:
     return Change(size, float(weights.sum() ** -0.5), min(one.freedoms, other.freedoms))
 
 
-def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) -> Found:
+def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) -> FoundChanges:
     """Find amplitudes that change without the force that such a change makes from run to run."""
     exponent = _force_over_amplitude(runs)
     drifts = {}
     for run, one in found.items():
         force = abs(exponent * one.amplitude.size)
-        seen = force > SEEN_STANDARD_ERRORS * one.force.error and abs(one.force.size) < FOLLOWED * force
+        seen = force > SEEN_STANDARD_ERRORS * one.force.error and abs(one.force.size) < FOLLOWED_SHARE * force
         if one.amplitude.is_real(len(found), GAIN_SHARE) and seen:
             drifts[run] = one.amplitude
     return drifts
@@ -324,19 +324,19 @@ def _force_over_amplitude(runs: Sequence[Watched]) -> float:
 
 
 def _fault(
-    drifts: Found, channel: Channel, kind: FaultKind, unit: str, done: Done, runs: Sequence[Watched]
+    drifts: FoundChanges, channel: Channel, kind: FaultKind, unit: str, done: Done, runs: Sequence[Watched]
 ) -> SensorFault | None:
     """Put the runs that show a drift into one fault, sizes in its unit."""
     if not drifts:
         return None
-    if done == "left out" and len(drifts) > MOST_LEFT_OUT * len(runs):
+    if done == "left out" and len(drifts) > LEFT_OUT_SHARE * len(runs):
         done = "kept"
     place = 0 if channel == "displacement" else 1
     scale = {run.name: run.amplitudes[place] if kind == "zero_drift" else 1.0 for run in runs}
     sizes = {run: (change.size * scale[run], change.error * scale[run]) for run, change in drifts.items()}
     worst = max(drifts, key=lambda run: abs(drifts[run].size))
     size, error = sizes[worst]
-    others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({named(list(drifts))})"
+    others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({runs_named(list(drifts))})"
     where = f"in run {worst}, from its first cycle to its last{others}"
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
     shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pipeclamp_identification.campaign.drifting import (
-    ALONE,
-    FOLLOWED,
+    BY_ITSELF_SHARE,
+    FOLLOWED_SHARE,
     GAIN_SHARE,
     OWN_SHARE,
     SEEN_STANDARD_ERRORS,
@@ -56,9 +56,11 @@ def drifting_over_runs(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
     mean_y, mean_force = change(means[0]), change(means[1])
     followed = float(np.median(k.real / np.abs(k))) * mean_y.size
     sizes: list[tuple[Channel, FaultKind, float, Change]] = []
-    if mean_force.is_real(1, ZERO_SHARE) and abs(mean_force.size - followed) > ALONE * abs(mean_force.size):
+    if mean_force.is_real(1, ZERO_SHARE) and abs(mean_force.size - followed) > BY_ITSELF_SHARE * abs(mean_force.size):
         sizes.append(("force", "zero_drift", typical[1], mean_force))
-    seen = abs(followed) > SEEN_STANDARD_ERRORS * mean_force.error and abs(mean_force.size) < FOLLOWED * abs(followed)
+    seen = abs(followed) > SEEN_STANDARD_ERRORS * mean_force.error and abs(mean_force.size) < FOLLOWED_SHARE * abs(
+        followed
+    )
     if mean_y.is_real(1, ZERO_SHARE) and seen:
         sizes.append(("displacement", "zero_drift", typical[0], mean_y))
     if np.all(k.real > 0) and np.all(k.imag > 0):
@@ -79,7 +81,7 @@ def _gains_over_runs(
     real = together is not None and abs(together.size) >= GAIN_SHARE and all(one.is_real(1, 0.0) for one in both)
     if moved is not None and moved.is_real(1, GAIN_SHARE):
         # a displacement that reads less than it is shows each force at a smaller amplitude: both stiffer in that ratio
-        if real and together is not None and abs(together.size + moved.size) < FOLLOWED * abs(moved.size):
+        if real and together is not None and abs(together.size + moved.size) < FOLLOWED_SHARE * abs(moved.size):
             return [("displacement", "gain_drift", 1.0, moved)]
         return []
     return [("force", "gain_drift", 1.0, together)] if real and together is not None else []

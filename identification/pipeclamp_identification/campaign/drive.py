@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,20 +29,25 @@ FULL_CYCLES = 6
 """At full amplitude: one in which the clamp settles, and five to measure."""
 SAMPLES_PER_TONE = 128
 """Samples in a cycle of the fastest tone: straight lines between them miss its peak by 0.03 %."""
-FINER = 8
+TIMES_POINTS = 8
 """Times as many points, at which peaks of a motion are sought; every sample is one of them."""
-AT_REST = 0.01
+REST_SHARE = 0.01
 """A drive begins at most this share of its largest displacement away from 0: clamps begin at rest."""
 WEAKEST_TONE = 0.02
 """Lines of a drive's spectrum below this share of its strongest line are no tones."""
 
-Motion3 = tuple[Array, Array, Array]
-"""Displacement mm, velocity mm/s and acceleration mm/s2, of one shape."""
+
+class Kinematics(NamedTuple):
+    """Displacement mm, velocity mm/s and acceleration mm/s2, of one shape."""
+
+    y: Array
+    v: Array
+    a: Array
 
 
 def tones_motion(
     tones: tuple[tuple[int, float], ...], amplitude: Array, frequency: Array | float, angle: Array
-) -> Motion3:
+) -> Kinematics:
     """Give the motion y = sum of share A cos(order angle), its velocity and its acceleration, shape (R, n).
 
     Args:
@@ -56,10 +62,10 @@ def tones_motion(
         y += share * amplitude * np.cos(order * angle)
         v -= share * amplitude * order * omega * np.sin(order * angle)
         a -= share * amplitude * (order * omega) ** 2 * np.cos(order * angle)
-    return y, v, a
+    return Kinematics(y, v, a)
 
 
-def ramped(motion: Motion3, progress: Array, speed: Array | float) -> Motion3:
+def ramped(motion: Kinematics, progress: Array, speed: Array | float) -> Kinematics:
     """Give a motion that grows from rest as half a cosine does.
 
     Args:
@@ -71,7 +77,7 @@ def ramped(motion: Motion3, progress: Array, speed: Array | float) -> Motion3:
     share = (1 - np.cos(np.pi * progress)) / 2
     rate = np.pi / 2 * speed * np.sin(np.pi * progress)
     bend = np.where(progress < 1, (np.pi * speed) ** 2 / 2 * np.cos(np.pi * progress), 0.0)
-    return share * y, share * v + rate * y, share * a + 2 * rate * v + bend * y
+    return Kinematics(share * y, share * v + rate * y, share * a + 2 * rate * v + bend * y)
 
 
 @dataclass(frozen=True)
@@ -99,21 +105,21 @@ class Profile:
     @cached_property
     def peak_displacement(self) -> float:
         """The largest displacement of a whole drive over the amplitude of its fundamental."""
-        return float(np.max(np.abs(self.unit_drive(FINER)[0])))
+        return float(np.max(np.abs(self.unit_drive(TIMES_POINTS).y)))
 
     @cached_property
     def peak_velocity(self) -> float:
         """The largest velocity of a whole drive, its growing and fading included, over A f."""
-        return float(np.max(np.abs(self.unit_drive(FINER)[1])))
+        return float(np.max(np.abs(self.unit_drive(TIMES_POINTS).v)))
 
-    def unit_drive(self, finer: int = 1) -> Motion3:
+    def unit_drive(self, finer: int = 1) -> Kinematics:
         """Give the whole drive of 1 mm and 1 Hz, at so many times the samples of its signal, shape (n,)."""
         cycles = FULL_CYCLES + 2 * RAMP_CYCLES
         # begun where the displacement is 0
         time = np.arange(cycles * self.samples_per_cycle * finer + 1) / (self.samples_per_cycle * finer)
         y, v, a = tones_motion(self.tones, np.ones((1, 1)), 1.0, 2 * np.pi * time - np.pi / 2)
         progress = np.clip(np.minimum(time, cycles - time) / RAMP_CYCLES, 0.0, 1.0)
-        return ramped((y[0], v[0], a[0]), progress, np.where(time < cycles / 2, 1.0, -1.0) / RAMP_CYCLES)
+        return ramped(Kinematics(y[0], v[0], a[0]), progress, np.where(time < cycles / 2, 1.0, -1.0) / RAMP_CYCLES)
 
 
 @dataclass(frozen=True)
@@ -146,7 +152,7 @@ class DrivePlan:
 
     def signal(self) -> Drive:
         """Give the drive signal of one run."""
-        y = self.amplitude_mm * self.profile.unit_drive()[0]
+        y = self.amplitude_mm * self.profile.unit_drive().y
         time = np.arange(len(y)) / (self.profile.samples_per_cycle * self.frequency_Hz)
         # no digits that no machine resolves, no -0.0
         return Drive(np.round(time, 12), np.round(y, 9) + 0.0)
@@ -232,7 +238,7 @@ def read_drive(path: Path) -> Drive:
         row = uneven[0] + 3 if len(uneven) else 3
         raise UserError(f"{path}, row {row}: a step of {step[row - 3]:g} s in time; expected equal steps above 0")
     largest = float(np.max(np.abs(y)))
-    if largest == 0.0 or abs(y[0]) > AT_REST * largest:
+    if largest == 0.0 or abs(y[0]) > REST_SHARE * largest:
         raise UserError(
             f"{path}, row 2: begins at {y[0]:g} mm of {largest:g} mm; expected a drive that begins at "
             "0 mm, as the clamp is at rest then"

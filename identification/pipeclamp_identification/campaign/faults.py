@@ -15,7 +15,7 @@ Channel = Literal["force", "displacement"]
 FaultKind = Literal["clipped", "stuck", "dead", "zero_drift", "gain_drift"]
 Done = Literal["left out", "corrected", "kept"]
 
-MOST_NAMED = 4
+MOST_RUNS_NAMED = 4
 """Runs that a sentence names one by one."""
 NEEDS = {
     "clipped": "to do: repeat them within the sensor's range, or with a larger one",
@@ -71,8 +71,8 @@ def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[S
         sizes = [abs(failure.size) for _, failure in members if failure.size is not None]
         count = counted(len(members), "run")
         words = (
-            f"the {channel} channel is {kind} in {count} ({named([run for run, _ in members])}): {members[0][1]}; left "
-            f"out; {NEEDS[kind]}"
+            f"the {channel} channel is {kind} in {count} ({runs_named([run for run, _ in members])}): {members[0][1]}; "
+            f"left out; {NEEDS[kind]}"
         )
         found.append(
             SensorFault(
@@ -89,7 +89,7 @@ def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[S
     return tuple(found)
 
 
-def named(runs: Sequence[str]) -> str:
+def runs_named(runs: Sequence[str]) -> str:
     """Name runs, a few of many."""
-    more = f" and {len(runs) - MOST_NAMED} more" if len(runs) > MOST_NAMED else ""
-    return ", ".join(runs[:MOST_NAMED]) + more
+    more = f" and {len(runs) - MOST_RUNS_NAMED} more" if len(runs) > MOST_RUNS_NAMED else ""
+    return ", ".join(runs[:MOST_RUNS_NAMED]) + more

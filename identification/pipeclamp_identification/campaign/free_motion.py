@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE, FLATTER_THAN_SINE, UNITS
-from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES, WIDEST_GAP
+from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES_PER_CYCLE, WIDEST_GAP
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.plausibility import Fundamental
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
@@ -21,7 +21,7 @@ WENT_ON = 0.05
 dwell, and a record rest."""
 SMOOTH_TOP = 8
 """Quanta by which a smooth extreme, quantised, falls over as many samples as it stands, whatever its curvature."""
-AT_REST = 0.1
+REST_VELOCITY_SHARE = 0.1
 """Share of the rms velocity above which a record doesn't begin at rest."""
 
 
@@ -46,7 +46,7 @@ class FreeRun:
 
 def begins_at_rest(motion: SmoothMotion) -> bool:
     """Tell whether a motion begins at rest."""
-    return bool(abs(motion.v[0]) <= AT_REST * math.sqrt(np.mean(motion.v**2)))
+    return bool(abs(motion.v[0]) <= REST_VELOCITY_SHARE * math.sqrt(np.mean(motion.v**2)))
 
 
 def free_motion(record: Record) -> SmoothMotion:
@@ -59,8 +59,10 @@ def free_motion(record: Record) -> SmoothMotion:
         UnusableRecord: too few samples, a gap in time, nothing but noise, a clipped sensor.
     """
     time = record.time_s - record.time_s[0]
-    if time[-1] <= 0.0 or len(time) < FEWEST_SAMPLES:
-        raise UnusableRecord(f"too few samples: {len(time)} over {time[-1]:g} s; expected at least {FEWEST_SAMPLES}")
+    if time[-1] <= 0.0 or len(time) < FEWEST_SAMPLES_PER_CYCLE:
+        raise UnusableRecord(
+            f"too few samples: {len(time)} over {time[-1]:g} s; expected at least {FEWEST_SAMPLES_PER_CYCLE}"
+        )
     motion = smooth_motion(time, record.displacement_mm)
     if np.std(motion.y) <= motion.noise_mm:
         raise UnusableRecord(
@@ -68,10 +70,10 @@ def free_motion(record: Record) -> SmoothMotion:
         )
     frequency = motion.frequency
     per_period = len(time) / (frequency * float(time[-1]))
-    if per_period < FEWEST_SAMPLES:
+    if per_period < FEWEST_SAMPLES_PER_CYCLE:
         raise UnusableRecord(
             f"too few samples: {per_period:.1f} per period of its mean frequency, {frequency:.4g} Hz; expected at "
-            f"least {FEWEST_SAMPLES}"
+            f"least {FEWEST_SAMPLES_PER_CYCLE}"
         )
     gap = np.diff(time)
     widest = int(np.argmax(gap))

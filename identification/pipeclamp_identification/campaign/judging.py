@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures
@@ -13,15 +14,19 @@ from pipeclamp_identification.campaign.plausibility import contradiction, implau
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
-from pipeclamp_identification.units.doubts import ShownRun, contradicted_units, unlikely_units
+from pipeclamp_identification.units.doubts import ShownRun, StatedAndShown, contradicted_units, unlikely_units
 from pipeclamp_models.base.errors import UserError
 
-Settings = tuple[float | None, float | None]
-"""Amplitude in mm and frequency in Hz as they were stated; None where they weren't, or the record contradicts them."""
+
+class NominalSettings(NamedTuple):
+    """Amplitude in mm and frequency in Hz as they were set, None where unknown or where the record contradicts them."""
+
+    amplitude_mm: float | None
+    frequency_Hz: float | None
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedRuns:
     """What a campaign's runs show together.
 
     Attributes:
@@ -37,7 +42,7 @@ class Judged:
     sines: Mapping[str, SeenSine]
     free: Mapping[str, SeenFree]
     left_out: tuple[LeftOut, ...]
-    settings: Mapping[str, Settings]
+    settings: Mapping[str, NominalSettings]
     sensors: Sensors
     faults: tuple[SensorFault, ...]
     doubts: tuple[str, ...]
@@ -51,7 +56,7 @@ def judge(
     strict: bool = False,
     *,
     time_measured: bool = True,
-) -> Judged:
+) -> JudgedRuns:
     """Judge the runs of a campaign.
 
     Args:
@@ -85,7 +90,7 @@ def judge(
     kept = {run: one for run, one in sines.items() if run not in left_out}
     settings, contradicted = _settings(kept)
     failures = [(one.run, one.failure) for one in lost if one.failure and one.run not in sensors.failed]
-    return Judged(
+    return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
         free=moving,
         left_out=lost,
@@ -109,9 +114,9 @@ def _stated(row: RunRow, seen: SeenSine) -> ShownRun:
     """Give a run as its units are doubted."""
     return ShownRun(
         run=row.run,
-        amplitude_mm=(row.amplitude_mm, seen.shown.amplitude_mm),
-        frequency_Hz=(row.frequency_Hz, seen.cycles.frequency_Hz),
-        temperature_C=(row.temperature_C, seen.temperature_C),
+        amplitude_mm=StatedAndShown(row.amplitude_mm, seen.shown.amplitude_mm),
+        frequency_Hz=StatedAndShown(row.frequency_Hz, seen.cycles.frequency_Hz),
+        temperature_C=StatedAndShown(row.temperature_C, seen.temperature_C),
         stiffness=abs(seen.shown.stiffness),
         step_s=seen.step_s,
     )
@@ -130,13 +135,13 @@ def _observed(row: RunRow, seen: SeenSine) -> Observed:
     )
 
 
-def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, Settings], tuple[str, ...]]:
+def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, NominalSettings], tuple[str, ...]]:
     """Give amplitudes and frequencies but for those that records contradict, and words about these."""
-    amplitudes = [(row.amplitude_mm, one.shown.amplitude_mm) for row, one in sines.values()]
-    frequencies = [(row.frequency_Hz, one.cycles.frequency_Hz) for row, one in sines.values()]
+    amplitudes = [StatedAndShown(row.amplitude_mm, one.shown.amplitude_mm) for row, one in sines.values()]
+    frequencies = [StatedAndShown(row.frequency_Hz, one.cycles.frequency_Hz) for row, one in sines.values()]
     words = (contradiction("amplitude_mm", amplitudes), contradiction("frequency_Hz", frequencies))
     settings = {
-        run: (unless_contradicted(*amplitude), unless_contradicted(*frequency))
+        run: NominalSettings(unless_contradicted(*amplitude), unless_contradicted(*frequency))
         for run, amplitude, frequency in zip(sines, amplitudes, frequencies, strict=True)
     }
     return settings, tuple(filter(None, words))

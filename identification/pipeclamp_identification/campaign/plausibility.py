@@ -12,16 +12,17 @@ import numpy as np
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
+from pipeclamp_identification.units.doubts import StatedAndShown
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
-SURE = 3.0
+SURE_STANDARD_ERRORS = 3.0
 """Standard errors by which something must be negative: a clamp without loss shows either sign."""
 BEYOND_DOUBT = 5.0
 """Standard errors by which a loop must make energy to be told: of hundreds without loss none does so by chance."""
 WRONG_UNITS = 100.0
 """Factor between a run's dynamic stiffness and that of most others that units make, whose prefixes differ by 1000. A
 device whose force hardly follows the amplitude may span as much, but from run to run; hence also the next one."""
-APART = 30.0
+JUMP_FACTOR = 30.0
 """Factor to the next run that makes a jump: the middle, in logs, between one and a thousand."""
 STATED_APART = 0.2
 """Share by which a measured setting may differ from the stated one: drives miss by a few percent, and the fundamental
@@ -102,7 +103,7 @@ def reversed_sign(fundamental: Fundamental) -> str | None:
     Inertia makes the stiffness negative and a delay the dissipated energy; both at once only a reversed channel does.
     """
     k = fundamental.stiffness
-    if max(k.real, k.imag) >= -SURE * fundamental.standard_error:
+    if max(k.real, k.imag) >= -SURE_STANDARD_ERRORS * fundamental.standard_error:
         return None
     return (
         f"its force has the wrong sign: stiffness {k.real:.4g} N/mm and {fundamental.dissipated_energy:.3g} J "
@@ -142,12 +143,12 @@ def makes_energy(shown: Mapping[str, Fundamental]) -> str:
 def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:
     """Say of each run whether its force or displacement is in other units than in most runs; None where it isn't."""
     size = np.array([abs(fundamental.stiffness) for fundamental in fundamentals])
-    known = size > SURE * np.array([fundamental.standard_error for fundamental in fundamentals])
+    known = size > SURE_STANDARD_ERRORS * np.array([fundamental.standard_error for fundamental in fundamentals])
     found: list[str | None] = [None] * len(size)
     if not np.any(known):
         return found
     order = np.flatnonzero(known)[np.argsort(size[known], kind="stable")]
-    groups = np.split(order, np.flatnonzero(size[order][1:] > APART * size[order][:-1]) + 1)
+    groups = np.split(order, np.flatnonzero(size[order][1:] > JUMP_FACTOR * size[order][:-1]) + 1)
     most = max(groups, key=len)
     if 2 * len(most) <= len(order):
         return found
@@ -161,16 +162,12 @@ def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:
     return found
 
 
-Setting = tuple[float | None, float]
-"""A setting as it was stated, None where it wasn't, and as the record shows it."""
-
-
 def unless_contradicted(stated: float | None, shown: float) -> float | None:
     """Give a stated setting; None where the record shows another."""
     return stated if stated is not None and abs(shown - stated) <= STATED_APART * stated else None
 
 
-def contradiction(column: str, settings: Sequence[Setting]) -> str:
+def contradiction(column: str, settings: Sequence[StatedAndShown]) -> str:
     """Say that records show other settings than runs.csv states in a column; empty where they don't."""
     wrong = [(stated, shown) for stated, shown in settings if stated and unless_contradicted(stated, shown) is None]
     if not wrong:

@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.description import CampaignDescription, r
 from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault
 from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
-from pipeclamp_identification.campaign.judging import Judged, judge
+from pipeclamp_identification.campaign.judging import JudgedRuns, judge
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenRecord, seen_free, seen_sine
@@ -181,7 +181,7 @@ def _looked_at(job: tuple[RunRow, Record], time_measured: bool) -> tuple[Run | F
     return run, seen_of(run)
 
 
-def _judged(run: Run, judged: Judged) -> Run:
+def _judged(run: Run, judged: JudgedRuns) -> Run:
     """Give a run with its record as the sensors leave it, and what was stated where the record doesn't contradict."""
     amplitude, frequency = judged.settings[run.name]
     return replace(
@@ -193,7 +193,7 @@ def _judged(run: Run, judged: Judged) -> Run:
     )
 
 
-def _shifted(run: FreeRun, judged: Judged) -> FreeRun:
+def _shifted(run: FreeRun, judged: JudgedRuns) -> FreeRun:
     """Give a run of free motion with its sensors' zeros where they belong."""
     record = judged.sensors.shifted(run.name, run.record)
     off = run.record.displacement_mm[0] - record.displacement_mm[0]

@@ -21,7 +21,7 @@ from pipeclamp_models.base.tables import pl
 from pipeclamp_models.base.units import CELSIUS
 
 
-class _Reader(Protocol):
+class _LineReader(Protocol):
     """Rows of a CSV reader, and the line that it is at."""
 
     @property
@@ -36,13 +36,13 @@ NEEDED: tuple[RecordColumn, ...] = ("time_s", "displacement_mm", "force_N")
 OPTIONAL: tuple[RecordColumn, ...] = ("temperature_C",)
 OWN = {name: ColumnSource.model_validate({"from": name}) for name in (*NEEDED, *OPTIONAL)}
 """Our columns under our own names."""
-MOST_BYTES = 1_000_000_000
+MOST_RECORD_BYTES = 1_000_000_000
 """Of a record of one run, unpacked."""
 PARQUET = b"PAR1"
 """What such a file begins and ends with."""
 ROWS_PER_BYTE, FEW_ROWS = 1000, 100_000
 """Rows that a byte of a Parquet file may hold, as columns of one value compress; and those of any file."""
-LARGEST = 1e12
+LARGEST_VALUE = 1e12
 """No test lasts longer (s), moves further (mm) or pushes harder (N); a time may count milliseconds from 1970."""
 
 
@@ -119,13 +119,14 @@ def check_samples(record: Record, row: Callable[[int], int] = lambda sample: sam
         bad = np.flatnonzero(~np.isfinite(getattr(record, name)))
         if len(bad):
             raise UnusableRecord(f"non-finite samples: {len(bad)} in {name}, the first in row {row(int(bad[0]))}")
-        huge = np.flatnonzero(np.abs(getattr(record, name)) > LARGEST)
+        huge = np.flatnonzero(np.abs(getattr(record, name)) > LARGEST_VALUE)
         if len(huge):
             raise UnusableRecord(
-                f"impossible samples: {len(huge)} in {name} beyond {LARGEST:g}, the first in row {row(int(huge[0]))}"
+                f"impossible samples: {len(huge)} in {name} beyond {LARGEST_VALUE:g}, "
+                f"the first in row {row(int(huge[0]))}"
             )
     if record.temperature_C is not None:
-        cold = np.flatnonzero((record.temperature_C <= -CELSIUS) | (record.temperature_C > LARGEST))
+        cold = np.flatnonzero((record.temperature_C <= -CELSIUS) | (record.temperature_C > LARGEST_VALUE))
         if len(cold):
             raise UnusableRecord(
                 f"impossible samples: temperature_C is {record.temperature_C[cold[0]]:g} degC in row "
@@ -202,7 +203,7 @@ def _first_bad_cell(path: Path, content: bytes, header: list[str], theirs: list[
         return f"{path}, row {reader.line_num}: is no valid CSV: {error}"
 
 
-def _first_bad_row(path: Path, reader: _Reader, header: list[str], theirs: list[str]) -> str | None:
+def _first_bad_row(path: Path, reader: _LineReader, header: list[str], theirs: list[str]) -> str | None:
     next(reader, None)
     for cells in reader:
         if len(cells) > len(header):
@@ -226,11 +227,11 @@ def _unpacked(path: Path, content: bytes) -> bytes:
     """
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(content)) as stream:
-            unpacked = stream.read(MOST_BYTES + 1)
+            unpacked = stream.read(MOST_RECORD_BYTES + 1)
     except (OSError, EOFError, zlib.error) as error:
         raise UserError(f"{path}: is no whole gzip file ({error}); write or copy it again") from error
-    if len(unpacked) > MOST_BYTES:
-        raise UserError(f"{path}: unpacks to more than {MOST_BYTES / 1e9:g} GB; expected the record of one run")
+    if len(unpacked) > MOST_RECORD_BYTES:
+        raise UserError(f"{path}: unpacks to more than {MOST_RECORD_BYTES / 1e9:g} GB; expected the record of one run")
     return unpacked
 
 

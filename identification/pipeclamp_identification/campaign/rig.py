@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from pipeclamp_identification.campaign.cycles import find_cycles
-from pipeclamp_identification.campaign.drive import Drive, Motion3, ramped, tones_motion
+from pipeclamp_identification.campaign.drive import Drive, Kinematics, ramped, tones_motion
 from pipeclamp_identification.campaign.plausibility import fundamental_of
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.campaign.writing import WrittenRun
@@ -32,7 +32,7 @@ SUBSTEPS = 4
 """Steps of the truth between two samples, so that states follow reversals that fall between samples."""
 
 
-MOST_SAMPLES = 10_000_000
+MOST_SAMPLES_AT_A_FREQUENCY = 10_000_000
 """More at one frequency don't fit into the memory of a small machine."""
 
 
@@ -133,10 +133,11 @@ class TestPlan:
             raise UsageError(f"test plan: {self.repeats} repeats; expected at least 1")
         longest = self.drive.duration_s if self.drive else (self.cycles + self.ramp_cycles) / min(self.frequencies)
         samples = longest * self.rate
-        if not samples * len(self.amplitudes) * len(self.temperatures) * self.repeats <= MOST_SAMPLES:
+        if not samples * len(self.amplitudes) * len(self.temperatures) * self.repeats <= MOST_SAMPLES_AT_A_FREQUENCY:
             raise UsageError(
                 f"test plan: {samples:.3g} samples per record at {min(self.frequencies):g} Hz; expected at most "
-                f"{MOST_SAMPLES:.0e} at one frequency over all amplitudes and temperatures: fewer cycles, a lower rate"
+                f"{MOST_SAMPLES_AT_A_FREQUENCY:.0e} at one frequency over all amplitudes and temperatures: "
+                "fewer cycles, a lower rate"
             )
         if self.riding_order < 2:
             raise UsageError(f"test plan: riding_order is {self.riding_order}; expected a whole number above 1")
@@ -231,7 +232,7 @@ def _of_specimen(law: Law, plan: TestPlan, specimen: int) -> Law:
 
 def _refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> None:
     """Refuse a law that follows a condition which isn't stated."""
-    stated = {condition_signal(column) for column in conditions}
+    stated = {signal_in_plan(column) for column in conditions}
     needed = equations.slow_signals - {"A", "f", "T", "N"} - stated
     if needed:
         columns = sorted(_column(name) for name in needed)
@@ -266,7 +267,7 @@ def _runs_at(
         "f": np.full((len(A), 1), frequency),
         "T": T[:, None] + CELSIUS,
         "N": np.array([run.first_cycle for run in runs])[:, None] + np.maximum(time, 0.0) * frequency,
-        **{condition_signal(column): np.full((len(A), 1), value) for column, value in conditions.items()},
+        **{signal_in_plan(column): np.full((len(A), 1), value) for column, value in conditions.items()},
     }
     truth = force_of_equations(
         equations,
@@ -335,7 +336,7 @@ def _random(plan: TestPlan, A: float, frequency: float, T: float, repeat: int) -
     return np.random.default_rng([*key, repeat] if repeat else key)
 
 
-def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array) -> Motion3:
+def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array) -> Kinematics:
     """Give displacement, velocity and acceleration of the drive, shape (R, n), with all tones and ramp-in."""
     tones = ((1, 1.0), (3, plan.distortion), (plan.riding_order, plan.riding))
     motion = tones_motion(tones, A[:, None], frequency, 2 * np.pi * frequency * time + shift[:, None])
@@ -345,12 +346,11 @@ def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array
     return motion
 
 
-def _followed(drive: Drive, share: Array, time: Array) -> Motion3:
+def _followed(drive: Drive, share: Array, time: Array) -> Kinematics:
     """Give the motion of runs that follow a drive signal, each at its share of it, shape (R, n)."""
     spline = make_interp_spline(drive.time_s, drive.displacement_mm, k=5)
     within = np.minimum(time, drive.time_s[-1])
-    y, v, a = (share[:, None] * spline(within, derivative) for derivative in range(3))
-    return y, v, a
+    return Kinematics(*(share[:, None] * spline(within, derivative) for derivative in range(3)))
 
 
 def _measured(truth: Array, noise: float, step: float, end: float, rng: np.random.Generator) -> Array:
@@ -363,7 +363,7 @@ def _measured(truth: Array, noise: float, step: float, end: float, rng: np.rando
 DENSITY = "density_g_cm3"
 
 
-def condition_signal(column: str) -> str:
+def signal_in_plan(column: str) -> str:
     """Give the name of the slow signal that a further column of runs.csv is in a law."""
     return "rho" if column == DENSITY else signals.condition_signal(column)
 
@@ -435,7 +435,7 @@ def truth_of(
     equations = structure.equations
     followed = equations.slow_signals
     conditions = {name: value for name, value in values.items() if name not in equations.names}
-    unknown = sorted(column for column in conditions if condition_signal(column) not in followed)
+    unknown = sorted(column for column in conditions if signal_in_plan(column) not in followed)
     if unknown:
         columns = sorted(_column(name) for name in followed - {"A", "f", "T", "N"})
         known = [*equations.names, *columns]
@@ -453,7 +453,7 @@ def truth_of(
     if lacking:
         _refuse_unstated(equations, conditions)
         plan.check()
-        further = {condition_signal(column): value for column, value in conditions.items()}
+        further = {signal_in_plan(column): value for column, value in conditions.items()}
         temperatures = [T + CELSIUS for T in plan.temperatures]
         slow = {"N": plan.cycles, **further}
         sizes = law_sizes(law, plan.amplitudes, plan.frequencies, temperatures, slow)

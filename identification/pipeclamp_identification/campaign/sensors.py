@@ -11,7 +11,7 @@ from pipeclamp_identification.campaign.clipping import UNITS, at_common_end
 from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired, without
 from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, shifts_over_runs
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
-from pipeclamp_identification.campaign.plausibility import SURE
+from pipeclamp_identification.campaign.plausibility import SURE_STANDARD_ERRORS
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.seen import SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
@@ -199,7 +199,7 @@ def _dead(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
     """Give the runs whose force doesn't show the motion, where others' does."""
     shown = [run.seen.shown for run in runs]
     force = np.array([one.amplitude_mm * abs(one.stiffness) for one in shown])
-    seen = np.array([abs(one.stiffness) > SURE * one.standard_error for one in shown], dtype=np.bool_)
+    seen = np.array([abs(one.stiffness) > SURE_STANDARD_ERRORS * one.standard_error for one in shown], dtype=np.bool_)
     if np.count_nonzero(seen) < FEWEST_OTHERS:
         return {}
     usual = float(np.median(force[seen]))

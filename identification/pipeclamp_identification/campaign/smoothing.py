@@ -20,17 +20,17 @@ from pipeclamp_models.base.arrays import Array
 
 LOWEST, HIGHEST = 2, 60
 """Orders between which noise is looked at."""
-FEWEST_CYCLES = 4
+FEWEST_CYCLES_BETWEEN_HARMONICS = 4
 """Cycles from which on the noise between the motion's own harmonics can be seen."""
 FEWEST_ORDERS = 20
 MOST_RUNS = 24
-SHARES = 1 / np.arange(3.0, 30.05, 0.1)
+AVERAGED_SHARES = 1 / np.arange(3.0, 30.05, 0.1)
 """Averages over these shares of the period are looked for."""
 EXPLAINED = 0.6
 """Share of the spectrum's ups and downs, its smooth course left aside, that the average's zeros must explain."""
 NEAR_ONE = (0.5, 1.5)
 """The zeros must be about as deep, in decibels, as the average's own."""
-DEEPEST = 1e-3
+LOWEST_NOISE = 1e-3
 """Noise does not fall lower beside its neighbours than this share: readings are rounded."""
 
 
@@ -87,7 +87,7 @@ def find_smoothing(records: Sequence[tuple[Record, Cycles]]) -> Smoothing:
 
 def asked(runs: Sequence[Cycles]) -> list[int]:
     """Give the places of the runs whose noise is looked at, of many runs some."""
-    usable = [place for place, cycles in enumerate(runs) if cycles.count >= FEWEST_CYCLES]
+    usable = [place for place, cycles in enumerate(runs) if cycles.count >= FEWEST_CYCLES_BETWEEN_HARMONICS]
     return usable[:: max(1, len(usable) // MOST_RUNS)]
 
 
@@ -121,8 +121,8 @@ def _share(levels: Sequence[Array]) -> float:
     smooth = np.linalg.qr(course)[0]
     rough = level - smooth @ (smooth.T @ level)
     best = (0.0, 0.0)
-    for share in SHARES:
-        mark = np.log(gain(share, orders) ** 2 * orders**2 + DEEPEST)
+    for share in AVERAGED_SHARES:
+        mark = np.log(gain(share, orders) ** 2 * orders**2 + LOWEST_NOISE)
         mark = mark - smooth @ (smooth.T @ mark)
         depth = float(mark @ rough / (mark @ mark))
         explained = depth**2 * float(mark @ mark) / max(float(rough @ rough), np.finfo(float).tiny)

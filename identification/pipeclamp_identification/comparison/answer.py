@@ -11,7 +11,14 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.comparison import breakdown, free_breakdown
-from pipeclamp_identification.comparison.breakdown import BRANCHES, PLACES, Breakdown, Part, phase_edges, place_of
+from pipeclamp_identification.comparison.breakdown import (
+    BRANCHES,
+    LOOP_PLACES,
+    Breakdown,
+    ErrorPart,
+    phase_edges,
+    place_of,
+)
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
 from pipeclamp_identification.comparison.concentration import Region, region
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples
@@ -218,7 +225,7 @@ def _where(comparison: Comparison) -> WhereAnswer:
     drift = breakdown.drift(sums)
     return WhereAnswer(
         words=words,
-        region=_region(region(sums, comparison.varied)),
+        region=region_answer(region(sums, comparison.varied)),
         phases=_phases(breakdown.along_loop(sums)),
         places=parts_answer(breakdown.by_place(sums)),
         branches=parts_answer(breakdown.by_branch(sums)),
@@ -236,7 +243,8 @@ def _where(comparison: Comparison) -> WhereAnswer:
     )
 
 
-def _region(found: Region | None) -> RegionAnswer | None:
+def region_answer(found: Region | None) -> RegionAnswer | None:
+    """Give what an answer says of the region that holds most of the error, where there is one."""
     return None if found is None else RegionAnswer(words=found.words, share=found.share, even_share=found.even)
 
 
@@ -246,7 +254,7 @@ def _free_where(comparison: Comparison) -> FreeWhereAnswer:
         parts_answer(free_breakdown.by_class(samples, classes)) for classes in free_breakdown.motion_classes(samples)
     )
     return FreeWhereAnswer(
-        region=_region(free_region(samples, varied)),
+        region=region_answer(free_region(samples, varied)),
         components=parts_answer(free_breakdown.by_component(samples)),
         time=parts_answer(free_breakdown.by_time(samples)),
         places=parts_answer(free_breakdown.by_free_place(samples)),
@@ -266,7 +274,7 @@ def parts_answer(parts: Breakdown) -> tuple[PartAnswer, ...]:
     return tuple(_part(parts, part) for part in parts.parts)
 
 
-def _part(parts: Breakdown, part: Part) -> PartAnswer:
+def _part(parts: Breakdown, part: ErrorPart) -> PartAnswer:
     return PartAnswer(
         part=part.label,
         nrmse=part.nrmse,
@@ -284,6 +292,6 @@ def _phases(phases: Breakdown) -> tuple[PhaseAnswer, ...]:
         place, branch = place_of(index)
         begin, end = phase_edges(index)
         found.append(
-            PhaseAnswer(**vars(part), from_deg=begin, to_deg=end, place=PLACES[place][0], branch=BRANCHES[branch])
+            PhaseAnswer(**vars(part), from_deg=begin, to_deg=end, place=LOOP_PLACES[place][0], branch=BRANCHES[branch])
         )
     return tuple(found)

@@ -16,13 +16,13 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.sums import RunSums
-from pipeclamp_identification.loops.loops import HARMONICS, Loops
+from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.levels import Level, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.units import CELSIUS
 
-PLACES = (
+LOOP_PLACES = (
     ("just after the reversal", 0.0, 30.0),
     ("between reversal and middle", 30.0, 75.0),
     ("through the middle", 75.0, 105.0),
@@ -33,7 +33,7 @@ PLACES = (
 13 % of the displacement."""
 BRANCHES = ("unloading", "loading")
 """The displacement falls from its largest value, then rises again."""
-MOST_CYCLES = 12
+MOST_CYCLES_SINGLY = 12
 """More cycles than this are grouped."""
 SAME_SHARE = 0.06
 SAME_TEMPERATURE_K = 3.0
@@ -42,7 +42,7 @@ SAME_OF_RANGE = 0.02
 
 
 @dataclass(frozen=True)
-class Part:
+class ErrorPart:
     """A part of the error.
 
     Attributes:
@@ -82,14 +82,14 @@ class Breakdown:
     """
 
     by: str
-    parts: tuple[Part, ...]
+    parts: tuple[ErrorPart, ...]
 
     @property
     def squared_error(self) -> float:
         """Sum over the parts, N2."""
         return sum(part.squared_error for part in self.parts)
 
-    def noise_share(self, part: Part) -> float | None:
+    def noise_share(self, part: ErrorPart) -> float | None:
         """Give the scatter in a part as a share of the whole squared error; None where it isn't known."""
         if part.squared_scatter is None or self.squared_error <= 0.0:
             return None
@@ -100,16 +100,16 @@ class Breakdown:
         """Squared error beyond scatter, N2."""
         return sum(part.squared_error - (part.squared_scatter or 0.0) for part in self.parts)
 
-    def share(self, part: Part) -> float:
+    def share(self, part: ErrorPart) -> float:
         """Give the share of the squared error that lies in a part."""
         return part.squared_error / self.squared_error if self.squared_error > 0.0 else 0.0
 
-    def excess_share(self, part: Part) -> float:
+    def excess_share(self, part: ErrorPart) -> float:
         """Give the share of the squared error beyond scatter; below zero where a part errs by less than its scatter."""
         excess = self.excess
         return (part.squared_error - (part.squared_scatter or 0.0)) / excess if excess > 0.0 else 0.0
 
-    def even_share(self, part: Part) -> float:
+    def even_share(self, part: ErrorPart) -> float:
         """Give the share that the part would have if every run's error were spread evenly."""
         return part.squared_force / sum(entry.squared_force for entry in self.parts)
 
@@ -118,7 +118,7 @@ class Breakdown:
         """Return the share of the error that would have to move to be spread evenly."""
         return sum(abs(self.share(part) - self.even_share(part)) for part in self.parts) / 2
 
-    def worst_first(self) -> list[Part]:
+    def worst_first(self) -> list[ErrorPart]:
         """Give the parts by falling error."""
         return sorted(self.parts, key=lambda part: -(part.nrmse or 0.0))
 
@@ -182,10 +182,10 @@ def phase_edges(index: int) -> tuple[float, float]:
 
 
 def place_of(index: int) -> tuple[int, int]:
-    """Give the place (of PLACES) and the branch (of BRANCHES) in which a part of the cycle lies."""
+    """Give the place (of LOOP_PLACES) and the branch (of BRANCHES) in which a part of the cycle lies."""
     middle = sum(phase_edges(index)) / 2
     since = middle % 180.0
-    return next(place for place, (_, _, end) in enumerate(PLACES) if since < end), int(middle // 180.0)
+    return next(place for place, (_, _, end) in enumerate(LOOP_PLACES) if since < end), int(middle // 180.0)
 
 
 def excess_table(sums: Sequence[RunSums]) -> tuple[Array, Array]:
@@ -204,8 +204,8 @@ def along_loop(sums: Sequence[RunSums]) -> Breakdown:
 
 def by_place(sums: Sequence[RunSums]) -> Breakdown:
     """Break the error down by place between turning points and by branch."""
-    labels = [f"{place}, {branch}" for branch in BRANCHES for place, *_ in PLACES]
-    places = [place + len(PLACES) * branch for place, branch in map(place_of, range(PHASE_BINS))]
+    labels = [f"{place}, {branch}" for branch in BRANCHES for place, *_ in LOOP_PLACES]
+    places = [place + len(LOOP_PLACES) * branch for place, branch in map(place_of, range(PHASE_BINS))]
     return Breakdown("place in the loop", _phase_parts(sums, labels, places))
 
 
@@ -214,7 +214,7 @@ def by_branch(sums: Sequence[RunSums]) -> Breakdown:
     return Breakdown("branch", _phase_parts(sums, list(BRANCHES), [place_of(index)[1] for index in range(PHASE_BINS)]))
 
 
-def _phase_parts(sums: Sequence[RunSums], labels: Sequence[str], part_of_bin: Sequence[int]) -> tuple[Part, ...]:
+def _phase_parts(sums: Sequence[RunSums], labels: Sequence[str], part_of_bin: Sequence[int]) -> tuple[ErrorPart, ...]:
     def total(by_phase: Array) -> Array:
         return np.bincount(part_of_bin, by_phase, len(labels)).astype(np.float64)
 
@@ -229,8 +229,8 @@ def by_harmonic(sums: Sequence[RunSums]) -> Breakdown:
 
     What the harmonics leave, higher ones and what doesn't repeat with the cycle, is the last part.
     """
-    error = np.zeros((HARMONICS + 1, 2))
-    scatter = np.zeros((HARMONICS + 1, 2))
+    error = np.zeros((HIGHEST_HARMONIC + 1, 2))
+    scatter = np.zeros((HIGHEST_HARMONIC + 1, 2))
     for run in sums:
         carried = slice(0, run.harmonics.shape[1])
         error[carried] += run.samples * _mean_squares(run.harmonics)
@@ -246,7 +246,7 @@ def by_harmonic(sums: Sequence[RunSums]) -> Breakdown:
     # in records with gaps the harmonics are not quite orthogonal, and can hold more than the whole
     in_harmonics *= min(1.0, whole / max(float(np.sum(in_harmonics)), 1e-300))
     labels = ["mean force"]
-    for order in range(1, HARMONICS + 1):
+    for order in range(1, HIGHEST_HARMONIC + 1):
         labels += [f"harmonic {order} in phase", f"harmonic {order} in quadrature"]
     labels.append("higher harmonics, or not periodic")
     rest = max(whole - float(np.sum(in_harmonics)), 0.0)  # round-off may make it negative
@@ -271,9 +271,9 @@ def squared_harmonics(sums: Sequence[RunSums], loops: Loops) -> tuple[Array, Arr
         loops: the same runs.
 
     Returns:
-        N2, shape (HARMONICS + 1, 2) each.
+        N2, shape (HIGHEST_HARMONIC + 1, 2) each.
     """
-    measured, computed = np.zeros((HARMONICS + 1, 2)), np.zeros((HARMONICS + 1, 2))
+    measured, computed = np.zeros((HIGHEST_HARMONIC + 1, 2)), np.zeros((HIGHEST_HARMONIC + 1, 2))
     for run, force in zip(sums, loops.force_per_cycle, strict=True):
         carried = run.harmonics.shape[1]
         for square, harmonics in ((measured, force[:, :carried]), (computed, force[:, :carried] - run.harmonics)):
@@ -291,7 +291,7 @@ def _mean_squares(harmonics: ComplexArray) -> Array:
 def cycle_edges(sums: Sequence[RunSums]) -> list[int]:
     """Give where groups of cycles begin, and where the last one ends, counted from 0 within the record."""
     longest = max(len(run.by_cycle) for run in sums)
-    return sorted({round(edge) for edge in np.linspace(0, longest, min(longest, MOST_CYCLES) + 1)})
+    return sorted({round(edge) for edge in np.linspace(0, longest, min(longest, MOST_CYCLES_SINGLY) + 1)})
 
 
 def along_cycles(sums: Sequence[RunSums]) -> Breakdown:
@@ -302,7 +302,7 @@ def along_cycles(sums: Sequence[RunSums]) -> Breakdown:
         samples = [float(np.sum(run.samples_by_cycle[first:end])) / run.samples for run in chosen]
         scatter = sum(share * run.squared_scatter for share, run in zip(samples, chosen, strict=True))
         parts.append(
-            Part(
+            ErrorPart(
                 f"cycle {first + 1}" if end == first + 1 else f"cycles {first + 1} to {end}",
                 sum(float(np.sum(run.by_cycle[first:end])) for run in chosen),
                 scatter if _known(chosen) else None,
@@ -387,9 +387,9 @@ def by_condition(sums: Sequence[RunSums], condition: Condition) -> Breakdown:
     )
 
 
-def part_of_runs(label: str, sums: Sequence[RunSums]) -> Part:
+def part_of_runs(label: str, sums: Sequence[RunSums]) -> ErrorPart:
     """Give the part of the error that some runs have."""
-    return Part(
+    return ErrorPart(
         label,
         sum(run.squared_error for run in sums),
         sum(run.squared_scatter for run in sums) if _known(sums) else None,
@@ -404,9 +404,9 @@ def _known(sums: Sequence[RunSums]) -> bool:
 
 def _parts(
     labels: Sequence[str], error: Array, scatter: Array, force: Array, sums: Sequence[RunSums]
-) -> tuple[Part, ...]:
+) -> tuple[ErrorPart, ...]:
     known = _known(sums)
     return tuple(
-        Part(label, float(one), float(other) if known else None, float(even), len(sums))
+        ErrorPart(label, float(one), float(other) if known else None, float(even), len(sums))
         for label, one, other, even in zip(labels, error, scatter, force, strict=True)
     )

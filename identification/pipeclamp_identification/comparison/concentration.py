@@ -39,7 +39,7 @@ PLACE_SETS = (
 """Places (of breakdown.PLACES) that have a name together."""
 MUCH_OF_IT = 0.4
 """A region must hold this share of the error beyond scatter."""
-FACTORS = 3
+MOST_FACTORS_NAMED = 3
 """A sentence names at most so many places and conditions."""
 STANDS_OUT = 0.05
 """Divergence in nats from an even spread below which a further restriction says nothing: 50 % of the error in a third
@@ -48,7 +48,7 @@ MOSTLY_SCATTER = 0.1
 """Share of the squared error beyond scatter below which no place of it can be told; a diagnosis, which asks all runs at
 once, may still find an effect."""
 HARMONICS_NAMED = 3
-HARMONICS_SHOWN = 0.8
+HARMONICS_NAMED_SHARE = 0.8
 """Harmonics are named until they hold this share, or so many are."""
 WORTH_NAMING = 0.05
 """A harmonic with less of the error than this isn't named."""
@@ -113,7 +113,7 @@ def densest(excess: Array, even: Array, factors: Sequence[Factor]) -> Region | N
     excess, force = excess / np.sum(excess), even / np.sum(even)
     chosen: list[Factor] = []
     best = 0.0
-    while len(chosen) < FACTORS:
+    while len(chosen) < MOST_FACTORS_NAMED:
         free = [factor for factor in factors if factor.name not in {one.name for one in chosen}]
         rated = [(_divergence(*_inside([*chosen, factor], excess, force)), factor) for factor in free]
         reached, factor = max(rated, key=lambda entry: entry[0], default=(best, None))
@@ -248,7 +248,7 @@ def shares_words(parts: Breakdown) -> str:
     whole = max(sum(max(parts.excess_share(part), 0.0) for part in parts.parts), 1.0)
     for part in sorted(parts.parts, key=parts.excess_share, reverse=True)[:HARMONICS_NAMED]:
         share = parts.excess_share(part) / whole
-        if held > HARMONICS_SHOWN or share < WORTH_NAMING:
+        if held > HARMONICS_NAMED_SHARE or share < WORTH_NAMING:
             break
         held += share
         named.append(f"{share:.0%}{'' if named else ' of it'} is {_meaning(part.label)}")

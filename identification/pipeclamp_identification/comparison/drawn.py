@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.comparison.laws import HeldLaw
+from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_models.base.arrays import Array, ComplexArray
@@ -47,7 +47,7 @@ class DrawnRun:
     squared_scatter: float | None
 
 
-def drawn_runs(loops: Loops, laws: Sequence[HeldLaw], points: int = MOST_POINTS) -> tuple[DrawnRun, ...]:
+def drawn_runs(loops: Loops, laws: Sequence[ComparedLaw], points: int = MOST_POINTS) -> tuple[DrawnRun, ...]:
     """Give what is drawn of each run.
 
     Args:
@@ -58,7 +58,7 @@ def drawn_runs(loops: Loops, laws: Sequence[HeldLaw], points: int = MOST_POINTS)
     return tuple(_drawn(loops, laws, row, points) for row in range(len(loops.run)))
 
 
-def _drawn(loops: Loops, laws: Sequence[HeldLaw], row: int, points: int) -> DrawnRun:
+def _drawn(loops: Loops, laws: Sequence[ComparedLaw], row: int, points: int) -> DrawnRun:
     misfits = [law.runs[row] for law in laws]
     phase, measured = misfits[0].phase, misfits[0].measured
     parts = max(min(points, len(phase) // len(loops.cycles[row])), 1)

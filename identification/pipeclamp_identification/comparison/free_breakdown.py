@@ -14,30 +14,30 @@ import numpy as np
 
 from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.comparison.breakdown import (
-    PLACES,
+    LOOP_PLACES,
     Breakdown,
     Condition,
-    Part,
+    ErrorPart,
     stated_conditions,
 )
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.signals.half_cycles import HalfCycles, half_cycles
-from pipeclamp_identification.signals.levels import distinct, name_levels
+from pipeclamp_identification.signals.levels import distinct_texts, name_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 
 TIME_PARTS = 10
 CLASSES = 6
 """Equal parts of a record's time, and of the range of what the motion does, into which the error is broken down."""
-STILL = 0.01
+STILL_SPEED_SHARE = 0.01
 """Share of a record's largest speed below which the clamp nearly stands still: 1 % of the speed of a sine is within 0.6
 degrees of its reversals."""
-TURN = 0.1
+TURN_BACK_SHARE = 0.1
 """Share of the tracked amplitude by which the motion must go back to have turned: ripple on a larger motion is none."""
-SMALLEST = 0.01
+SMALLEST_TURNING_SHARE = 0.01
 """Of a record's largest tracked amplitude: motions below it don't turn."""
-STANDING = len(PLACES)
-"""The place, after those of PLACES, of samples at which the clamp nearly stands still."""
-PLACE_NAMES = (*(name for name, *_ in PLACES), "nearly still")
+STANDING = len(LOOP_PLACES)
+"""The place, after those of LOOP_PLACES, of samples at which the clamp nearly stands still."""
+PLACE_NAMES = (*(name for name, *_ in LOOP_PLACES), "nearly still")
 DIRECTIONS = ("the displacement falls", "the displacement rises")
 COMPONENTS = (
     "mean force",
@@ -62,15 +62,17 @@ class FreeSamples:
     def half_cycles(self) -> HalfCycles:
         """Where each sample lies between turning points."""
         amplitude = self.misfit.amplitude
-        return half_cycles(self.misfit.y, np.maximum(TURN * amplitude, SMALLEST * float(np.max(amplitude))))
+        return half_cycles(
+            self.misfit.y, np.maximum(TURN_BACK_SHARE * amplitude, SMALLEST_TURNING_SHARE * float(np.max(amplitude)))
+        )
 
     @cached_property
     def place(self) -> IntArray:
         """The place of PLACE_NAMES, shape (n,)."""
-        ends = np.array([end for *_, end in PLACES])
-        place = np.searchsorted(ends, self.half_cycles.degrees, side="right").clip(0, len(PLACES) - 1)
+        ends = np.array([end for *_, end in LOOP_PLACES])
+        place = np.searchsorted(ends, self.half_cycles.degrees, side="right").clip(0, len(LOOP_PLACES) - 1)
         speed = np.abs(self.misfit.v)
-        return np.asarray(np.where(speed < STILL * np.max(speed), STANDING, place))
+        return np.asarray(np.where(speed < STILL_SPEED_SHARE * np.max(speed), STANDING, place))
 
     @property
     def direction(self) -> IntArray:
@@ -101,7 +103,7 @@ class Classes:
     @property
     def labels(self) -> list[str]:
         """What each class spans."""
-        texts = distinct(self.edges)
+        texts = distinct_texts(self.edges)
         return [f"{low} to {high}" for low, high in itertools.pairwise(texts)]
 
 
@@ -169,7 +171,8 @@ def by_component(samples: Sequence[FreeSamples]) -> Breakdown:
         error[-1] += max(float(off @ off - np.sum((off @ basis) ** 2)), 0.0)
     force = sum(one.misfit.squared_force for one in samples)
     parts = (
-        Part(label, float(square), None, force, len(samples)) for label, square in zip(COMPONENTS, error, strict=True)
+        ErrorPart(label, float(square), None, force, len(samples))
+        for label, square in zip(COMPONENTS, error, strict=True)
     )
     return Breakdown("component", tuple(parts))
 
@@ -213,7 +216,7 @@ def _broken(by: str, labels: Sequence[str], samples: Sequence[FreeSamples], inde
     return Breakdown(
         by,
         tuple(
-            Part(label, float(error[place]), None, float(force[place]), int(runs[place]))
+            ErrorPart(label, float(error[place]), None, float(force[place]), int(runs[place]))
             for place, label in enumerate(labels)
             if runs[place]
         ),

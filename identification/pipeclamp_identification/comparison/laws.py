@@ -23,7 +23,7 @@ class Errs(Protocol):
 
 
 @dataclass(frozen=True)
-class HeldLaw:
+class ComparedLaw:
     """A law and its error on each run of a campaign.
 
     Attributes:
@@ -47,7 +47,7 @@ def least_error(held: Sequence[Errs]) -> int:
     return min(range(len(held)), key=lambda place: held[place].nrmse)
 
 
-def stages_held(file: LawFile, comparison: Comparison) -> tuple[HeldLaw, ...]:
+def stages_held(file: LawFile, comparison: Comparison) -> tuple[ComparedLaw, ...]:
     """Hold each stage of a law's history against the tests, the law itself last.
 
     A stage that this version can't compute, or that the tests can't serve, is left out.
@@ -56,7 +56,7 @@ def stages_held(file: LawFile, comparison: Comparison) -> tuple[HeldLaw, ...]:
         file: the law.
         comparison: it held against the tests, with runs of sines.
     """
-    stages: list[HeldLaw] = []
+    stages: list[ComparedLaw] = []
     for step in file.history[:-1]:
         if step.stage is None:
             continue
@@ -65,13 +65,13 @@ def stages_held(file: LawFile, comparison: Comparison) -> tuple[HeldLaw, ...]:
             runs = misfits(law, comparison.campaign, comparison.loops)
         except UserError:
             continue
-        stages.append(HeldLaw(step.step, law, runs))
+        stages.append(ComparedLaw(step.step, law, runs))
     label = file.history[-1].step if file.history else file.name
-    return (*stages, HeldLaw(label, comparison.law, comparison.runs))
+    return (*stages, ComparedLaw(label, comparison.law, comparison.runs))
 
 
-def laws_held(comparisons: Iterable[tuple[LawFile, Comparison]]) -> tuple[HeldLaw, ...]:
+def laws_held(comparisons: Iterable[tuple[LawFile, Comparison]]) -> tuple[ComparedLaw, ...]:
     """Give laws of files, each held against the same tests, with labels that tell them apart."""
     held = tuple(comparisons)
     labels = labels_of([file for file, _ in held])
-    return tuple(HeldLaw(label, one.law, one.runs) for label, (_, one) in zip(labels, held, strict=True))
+    return tuple(ComparedLaw(label, one.law, one.runs) for label, (_, one) in zip(labels, held, strict=True))

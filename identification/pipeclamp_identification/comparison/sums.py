@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.fitting.misfit import RunMisfit
-from pipeclamp_identification.loops.loops import HARMONICS, Loops
+from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
 from pipeclamp_identification.loops.scatter import PHASE_BINS, phase_bin
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
 from pipeclamp_models.base.arrays import Array, ComplexArray
@@ -75,7 +75,7 @@ def _run_sums(run: Run, misfit: RunMisfit, scatter_shares: Array, fundamental: f
     squared = error**2
     part = phase_bin(misfit.phase)
     phase = run.cycles.phase(run.record)
-    count = min(HARMONICS, carried_harmonics(phase, bounds))
+    count = min(HIGHEST_HARMONIC, carried_harmonics(phase, bounds))
     lag = misfit.phase[starts] - phase[starts]
     turned = np.exp(-1j * lag[:, None] * np.arange(count + 1))
     scatter = len(error) * misfit.noise_rms_N**2

@@ -8,7 +8,7 @@ from typing import Literal
 from pydantic import Field
 
 from pipeclamp_identification.campaign.faults import SensorFault
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
-from pipeclamp_models.law.file import Kind, Verdict
+from pipeclamp_models.law.file import NamedKind, Verdict
 
 
 class LawErrors(AnswerModel):
@@ -43,7 +43,7 @@ class RungAnswer(AnswerModel):
     """One step that --auto took before it diagnosed last."""
 
     effect: str = Field(description="what was added; with - before it what went again, with `base` what took its place")
-    kind: Kind | Literal["revision"] = Field(description="how it was named; `revision`: asked again, and changed")
+    kind: NamedKind | Literal["revision"] = Field(description="how it was named; `revision`: asked again, and changed")
     heldout_before: float = Field(
         description="error on left-out groups of A and f before, of fits without them, as a law's history has it"
     )
@@ -109,7 +109,7 @@ class DiagnosisAnswer(AnswerModel):
 
     verdict: Verdict
     effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
-    kind: Kind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
+    kind: NamedKind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
     explained: float | None = Field(
         description="share of the mean-square lack of fit, on left-out conditions, that what is named first takes"
     )
@@ -139,7 +139,7 @@ class DiagnosisAnswer(AnswerModel):
     next_command: str = Field(description="the shell line to run next")
 
 
-def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str) -> DiagnosisAnswer:
+def diagnosis_answer(found: RecordDiagnosed, ladder: tuple[RungAnswer, ...], next_command: str) -> DiagnosisAnswer:
     """Give what a diagnosis found, the ladder before it, and the command to run next."""
     diagnosis = found.diagnosis
     scatter = diagnosis.problem.noise.scatter

@@ -15,9 +15,9 @@ from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_identification.comparison.concentration import region
 from pipeclamp_identification.comparison.sums import error_sums
-from pipeclamp_identification.diagnosis.evidence import BY_CHANCE
+from pipeclamp_identification.diagnosis.evidence import CHANCE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
-from pipeclamp_identification.loops.loops import HARMONICS, Loops
+from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate
 from pipeclamp_models.law.law import Law
@@ -46,7 +46,7 @@ class BeyondHarmonics:
         """Say how large it is, where it sits, and what makes such."""
         where = f", most of it {', '.join(self.where)}" if self.where else ""
         return (
-            f"beyond harmonic {HARMONICS} the law errs by {newtons(self.rms)} that repeat with each cycle "
+            f"beyond harmonic {HIGHEST_HARMONIC} the law errs by {newtons(self.rms)} that repeat with each cycle "
             f"({self.share:.2g} times the force noise){where}: the loop's steps or corners aren't the law's, as where "
             "friction turns over at a reversal, or a stop is met"
         )
@@ -71,7 +71,7 @@ def _found(law: Law, campaign: Campaign, loops: Loops) -> BeyondHarmonics:
     rest = tuple(map(_beyond, campaign.runs, misfits(law, campaign, loops)))
     common = [_common_square(run, one) for run, one in zip(campaign.runs, rest, strict=True)]
     square = sum(one for one, _ in common) / len(common)
-    chance = BY_CHANCE * math.hypot(*(error for _, error in common)) / len(common)
+    chance = CHANCE_STANDARD_ERRORS * math.hypot(*(error for _, error in common)) / len(common)
     noise = float(np.mean(loops.scatter_rms_N**2))
     share, sure_share = (math.sqrt(max(each, 0.0) / noise) for each in (square, square - chance))
     place = region(error_sums(campaign, loops, rest), [one for one in conditions_of(campaign, loops) if one.varies])
@@ -82,7 +82,7 @@ def _beyond(run: Run, misfit: RunMisfit) -> RunMisfit:
     """Give a misfit less the error's harmonics in each cycle, those that its sampling carries of the kept ones."""
     phase = run.cycles.phase(run.record)
     bounds = run.cycles.bounds - run.cycles.bounds[0]
-    count = min(HARMONICS, carried_harmonics(phase, bounds))
+    count = min(HIGHEST_HARMONIC, carried_harmonics(phase, bounds))
     harmonics = cycle_harmonics(phase, bounds, [misfit.measured - misfit.computed], count)[0]
     ends = zip(harmonics, bounds[:-1], bounds[1:], strict=True)
     kept = np.concatenate([evaluate(own, phase[first:last]) for own, first, last in ends])

@@ -24,9 +24,9 @@ from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import Kind, LawFile, Verdict, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
 
-HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
+HEADLINES: dict[tuple[Verdict, NamedKind | None], str] = {
     ("complete", None): "Complete: what is left is scatter.",
     ("missing", "cause"): "Missing: {}.",
     ("missing", "part"): "Part of what is missing: {}.",
@@ -43,7 +43,7 @@ OF_A_MOTION = {"A": ("amplitude", "mm"), "f": ("frequency", "Hz")}
 
 
 @dataclass(frozen=True)
-class Diagnosed:
+class RecordDiagnosed:
     """A law diagnosed on records.
 
     Attributes:
@@ -82,7 +82,7 @@ class Diagnosed:
         return self.diagnosis.effects
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         return self.diagnosis.kind
 
@@ -204,7 +204,7 @@ def diagnosed(
     jobs: int = 1,
     progress: Progress | None = None,
     prepared: Callable[[], Prepared] | None = None,
-) -> Diagnosed:
+) -> RecordDiagnosed:
     """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
 
     What the law's file knows of its way counts too; see `named.by_history`.
@@ -229,4 +229,4 @@ def diagnosed(
         structure, campaign, comparison.loops, start=law_of(file).values, proved=not unproved_of(file), jobs=jobs,
         progress=progress, prepared=prepared,
     )  # fmt: skip
-    return by_history(Diagnosed(diagnosis, comparison, limits), file, campaign.fingerprint, declared)
+    return by_history(RecordDiagnosed(diagnosis, comparison, limits), file, campaign.fingerprint, declared)

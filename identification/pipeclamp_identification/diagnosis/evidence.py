@@ -11,13 +11,13 @@ import numpy as np
 from scipy import stats
 
 from pipeclamp_identification.diagnosis.left_out import Whitened
-from pipeclamp_identification.diagnosis.noise import UNSEEN, NoiseModel
+from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE, NoiseModel
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array
 
 INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
-BY_CHANCE = 2.0
+CHANCE_STANDARD_ERRORS = 2.0
 """Standard errors by which scatter may have added to what follows the conditions, or hidden of it."""
 SCATTERED = 1e-3
 """Share of a harmonic's variance below which its being scatter from run to run leaves it as well known as noise."""
@@ -101,7 +101,7 @@ def lack_of_fit(
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
     leverage = np.sum(smooth**2, axis=1)
-    seen = noise.variance < UNSEEN
+    seen = noise.variance < UNSEEN_VARIANCE
     variance = np.where(seen, noise.total_variance(), 0.0)
     expected = (leverage @ variance) * freedoms / smooth.shape[1]
     # Scatter is told by as many runs as smooth functions leave (Welch and Satterthwaite), noise by all samples.
@@ -120,9 +120,9 @@ def lack_of_fit(
     error = expected * np.sqrt(2 / wanted) / runs
     error[1:] /= 2
     # Mean forces may scatter by more than a loop's noise: of them counts what scatter can't have made.
-    by_channel[0] = max(by_channel[0] - BY_CHANCE * error[0], min(by_channel[0], 0.0))
+    by_channel[0] = max(by_channel[0] - CHANCE_STANDARD_ERRORS * error[0], min(by_channel[0], 0.0))
     excess = _mean_and_loop(by_channel)
-    chance = np.array([0.0, BY_CHANCE * np.linalg.norm(error[1:])])
+    chance = np.array([0.0, CHANCE_STANDARD_ERRORS * np.linalg.norm(error[1:])])
     share, sure_share, most_share = (
         float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, excess - chance, excess + chance)
     )

@@ -18,7 +18,7 @@ from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 
-SHORTEST = 2.0**-10
+SHORTEST_STEP_SHARE = 2.0**-10
 """Share of a step below which it isn't shortened further."""
 DISAGREE_LIKELIHOOD = 2 * np.log(100.0)
 """The others disagree with a step that leaves them a hundredth of their likelihood: a direction in which they hardly
@@ -159,7 +159,7 @@ class WithoutGroups:
         here = self._here
         most = self._cost_of_others(here, np.zeros_like(step), own)
         share = 1.0
-        while share > SHORTEST:
+        while share > SHORTEST_STEP_SHARE:
             moved = share * step
             there = self._law_force(moved)
             with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, with which none agrees

@@ -16,19 +16,19 @@ from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, BoolArray
 
-POINTS = 360
+SAMPLES_PER_CYCLE = 360
 STRONGEST = 3
 SMALLEST_NAMED = 0.03
 """Harmonics with less of the whole than this are left out of the words."""
 END_DEG = 25.0
 """Nearer than this to a reversal, where |y| is above 0.9 A, is at the turning points; so much from y = 0 the middle."""
-VARIES = 0.02
+HELD_CONSTANT_SHARE = 0.02
 """Conditions that vary by less than this share are held constant: drives never hit their set points."""
 WORTH_SAYING = 0.4
 """A weaker rank correlation is nothing that can be seen in a picture."""
 TOLD_CHANCE = 0.01
 """Correlations that chance makes more often than this are not told."""
-MOST_NAMED = 4
+MOST_LINES_NAMED = 4
 """Lines that are named one by one."""
 NEIGHBOURS = 30
 NEAREST = 3
@@ -42,7 +42,7 @@ FEWEST_SHARE = 0.2
 
 
 HALVES = np.array([0.5, 1.5, 2.5])
-FEWEST_CYCLES = 4
+FEWEST_CYCLES_BESIDE_HALVES = 4
 """Cycles from which on there are multiples of the record's length beside the halves."""
 FEWEST_RUNS_WITH_LINES = 4
 
@@ -86,17 +86,17 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     residual = np.where(problem.harmonics.seen, residual, 0.0)
     loop = _along_cycle(residual)
     shape = np.sqrt(np.mean(loop**2, axis=0))
-    phase = 360.0 * np.arange(POINTS) / POINTS
+    phase = 360.0 * np.arange(SAMPLES_PER_CYCLE) / SAMPLES_PER_CYCLE
     # An average leaves noise with zeros of its own, beside which anything looks like a line.
     smoothed = bool(campaign.smoothing.force)
     lines = () if smoothed else time_locked_lines(campaign, misfits)
     words = (_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem))
     not_periodic = []
     if lines:
-        named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_NAMED])
-        named += f" and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
+        named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_LINES_NAMED])
+        named += f" and {len(lines) - MOST_LINES_NAMED} more" if len(lines) > MOST_LINES_NAMED else ""
         not_periodic.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
-        not_periodic += harmonics_at(lines[:MOST_NAMED], problem.loops)
+        not_periodic += harmonics_at(lines[:MOST_LINES_NAMED], problem.loops)
     fractions = () if smoothed else fractional_lines(campaign, misfits)
     if fractions:
         named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
@@ -130,7 +130,7 @@ def _along_cycle(residual: Array) -> Array:
     harmonics = np.zeros((len(residual), (residual.shape[1] + 1) // 2), dtype=np.complex128)
     harmonics[:, 0] = residual[:, 0]
     harmonics[:, 1:] = residual[:, 1::2] + 1j * residual[:, 2::2]
-    return on_grid(harmonics, POINTS)
+    return on_grid(harmonics, SAMPLES_PER_CYCLE)
 
 
 def _harmonic_words(judged: Judged) -> str:
@@ -177,7 +177,7 @@ def _condition_words(residual: Array, problem: Problem) -> list[str]:
     }  # fmt: skip
     words = []
     for name, values in columns.items():
-        if np.all(np.isfinite(values)) and np.ptp(values) > VARIES * np.max(np.abs(values)):
+        if np.all(np.isfinite(values)) and np.ptp(values) > HELD_CONSTANT_SHARE * np.max(np.abs(values)):
             ranks = stats.spearmanr(values, size)
             slope = float(ranks.statistic)
             if abs(slope) > WORTH_SAYING and ranks.pvalue < TOLD_CHANCE:
@@ -270,7 +270,7 @@ def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tupl
     chances = np.zeros((0, len(HALVES)))
     for run, misfit in zip(campaign.runs, misfits, strict=True):
         count = run.cycles.count - run.cycles.count % 2
-        if count < FEWEST_CYCLES:
+        if count < FEWEST_CYCLES_BESIDE_HALVES:
             continue
         samples = int(run.cycles.bounds[count] - run.cycles.bounds[0])
         error = (misfit.measured - misfit.computed)[:samples]

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from typing import Protocol, Self, TypeVar
 
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
+from pipeclamp_models.law.file import InVain, LawFile, NamedKind, Verdict
 from pipeclamp_models.law.step import LawStep, read_step
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
@@ -27,7 +27,7 @@ class Naming(Protocol):
         """What is missing, or may be, as `add` takes it; best first."""
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
 
     @property

@@ -28,7 +28,7 @@ WHITE_FROM = 5
 MOST_SCATTER = 0.02
 """Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter; so
 is a mean force that differs by more than this share of the force, a zero by more than this share of the amplitude."""
-UNSEEN = 1e15
+UNSEEN_VARIANCE = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
 
@@ -65,7 +65,7 @@ def cycle_variance(loops: Loops) -> Array:
             shape[octave == band] = max(1.0, float(np.mean(ratio[members])))
     floor = (1e-6 * loops.force_rms_N[:, None]) ** 2
     variance = level[:, None] * shape / cycles[:, None] + _from_displacement(loops, cycles)
-    return np.where(unseen, UNSEEN, np.maximum(variance, floor))
+    return np.where(unseen, UNSEEN_VARIANCE, np.maximum(variance, floor))
 
 
 def _from_displacement(loops: Loops, cycles: Array) -> Array:

@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
-from pipeclamp_identification.diagnosis.noise import UNSEEN, NoiseModel, WhitenedObservations, noise_model
+from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE, NoiseModel, WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.fitting.group_factors import GroupFactors
@@ -112,7 +113,7 @@ class Problem:
     @cached_property
     def scatter_squares(self) -> Array:
         """Mean square of each run's error that scatter alone makes, N2, shape (R,)."""
-        variance = np.where(self.noise.variance < UNSEEN, self.noise.total_variance(), 0.0)
+        variance = np.where(self.noise.variance < UNSEEN_VARIANCE, self.noise.total_variance(), 0.0)
         return mean_squares_of(np.sqrt(variance))
 
     def beyond_scatter(self, score: LeftOutScore) -> Array:
@@ -172,8 +173,11 @@ class Judged:
         return float(self.score.squares.sum())
 
 
-Prepared = tuple[Problem, Fit]
-"""A diagnosis's data, and the law as it is fitted in N; see `prepare`."""
+class Prepared(NamedTuple):
+    """A diagnosis's data, and the law as it is fitted in N, without weights; see `prepare`."""
+
+    problem: Problem
+    in_newtons: Fit
 
 
 def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> Prepared:
@@ -194,9 +198,8 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     noise = noise_model(loops, of_a_shift(first.law, harmonics.motion, harmonics.transformed), residual)
     groups = condition_groups(loops)
     few = _as_seen_at_few(coarser(loops, harmonics), harmonics, first)
-    return Problem(
-        loops, harmonics, few, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors
-    ), first
+    problem = Problem(loops, harmonics, few, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
+    return Prepared(problem, first)
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:

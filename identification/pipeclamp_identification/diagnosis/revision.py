@@ -35,7 +35,7 @@ MOST_SWAPPED = 3
 
 
 @dataclass(frozen=True)
-class Asked:
+class RevisedLaw:
     """A law to be asked again, with the tests: fitted, and weighed by its own residuals."""
 
     structure: Structure
@@ -48,7 +48,7 @@ class Asked:
         return self.law.result.law.values
 
 
-def ask_again(law: Law, loops: Loops, prepared: Prepared | None = None) -> Asked:
+def ask_again(law: Law, loops: Loops, prepared: Prepared | None = None) -> RevisedLaw:
     """Fit a law for asking it again.
 
     Args:
@@ -60,10 +60,10 @@ def ask_again(law: Law, loops: Loops, prepared: Prepared | None = None) -> Asked
         UserError: the tests can't serve the law.
     """
     problem, fitted = prepared or prepare(law.structure, loops, law.values)
-    return Asked(law.structure, *weighed_again(problem, law.structure, fitted, [fitted]))
+    return RevisedLaw(law.structure, *weighed_again(problem, law.structure, fitted, [fitted]))
 
 
-def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
+def superfluous(asked: RevisedLaw, keep: str, progress: Progress) -> str | None:
     """Give the effect that the law does as well without on left-out conditions; None where each is needed.
 
     Args:
@@ -86,14 +86,14 @@ def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
     return min(spare)[1] if spare else None
 
 
-def _does_as_well(other: Judged, asked: Asked) -> bool:
+def _does_as_well(other: Judged, asked: RevisedLaw) -> bool:
     """Tell whether the law is no better than another one on left-out conditions, beyond its doubt or materially."""
     gain = gains(asked.law, other, asked.problem)
     doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
     return bool(gain.sum() < doubt and share_of_error(asked.law, other) < MATERIAL_PART_SHARE)
 
 
-def simpler_structure(asked: Asked, names: Collection[str], progress: Progress) -> Structure | None:
+def simpler_structure(asked: RevisedLaw, names: Collection[str], progress: Progress) -> Structure | None:
     """Give the law with an effect in one's place that acts alike, and fewer parameters; None where none does as well.
 
     An element of `memory` that the law has becomes one of several where that takes the place. It does as well on
@@ -117,7 +117,7 @@ def simpler_structure(asked: Asked, names: Collection[str], progress: Progress) 
     return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 
 
-def better_structures(asked: Asked, progress: Progress) -> list[Structure]:
+def better_structures(asked: RevisedLaw, progress: Progress) -> list[Structure]:
     """Give the law with another of its effects' family in one's place, or on another base, where it does better.
 
     To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt, and not
@@ -149,7 +149,7 @@ class _Swap:
     structure: Structure
 
 
-def _alike(asked: Asked) -> Iterator[_Swap]:
+def _alike(asked: RevisedLaw) -> Iterator[_Swap]:
     """Give the law with each effect of the catalogue in the place of each of its own that acts alike."""
     loops = asked.problem.loops
     known = candidate_names(asked.structure, loops.conditions, time_measured=loops.time_measured)
@@ -168,7 +168,7 @@ def _parameters(structure: Structure) -> int:
     return sum(len(effect.parameters) for effect in structure.all_effects())
 
 
-def _swapped(asked: Asked, swaps: Iterable[_Swap], progress: Progress) -> list[Judged]:
+def _swapped(asked: RevisedLaw, swaps: Iterable[_Swap], progress: Progress) -> list[Judged]:
     """Put another effect in the place of one, for each of these swaps: all roughly, the best closely.
 
     Members of a family are as large as the tests ask for.
@@ -193,7 +193,7 @@ def _swapped(asked: Asked, swaps: Iterable[_Swap], progress: Progress) -> list[J
     return found
 
 
-def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:
+def _on_another_base(asked: RevisedLaw, progress: Progress) -> list[Judged]:
     found: list[Judged] = []
     own = asked.structure.base.partition(":")[0]
     for base in (name for name, entry in BASES.items() if entry.general and name != own):
@@ -206,7 +206,7 @@ def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:
     return found
 
 
-def _on(base: str, effects: tuple[str, ...], asked: Asked) -> Structure:
+def _on(base: str, effects: tuple[str, ...], asked: RevisedLaw) -> Structure:
     """Give the law on another base, with these of its effects; one that is a term of the base is in it already.
 
     Orders of a series are chosen without effects that have states: each of dozens of fits would step them.
@@ -220,7 +220,7 @@ def _on(base: str, effects: tuple[str, ...], asked: Asked) -> Structure:
     return replace(other, base=choose_series(asked.problem.loops, asked.problem.harmonics, light).base)
 
 
-def _starts(other: Structure, asked: Asked) -> list[Mapping[str, float]]:
+def _starts(other: Structure, asked: RevisedLaw) -> list[Mapping[str, float]]:
     """Give where the law on another base starts: from the law's own values, and from the base's beginnings."""
     surfaces = surface_values(other, asked.problem.loops)
     added = {parameter.name for name in other.effects for parameter in other.effect(name).parameters}

@@ -12,7 +12,7 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import Motion
 
-SHIFT = 1e-3
+SHIFT_SHARE = 1e-3
 """Share of the amplitude by which a displacement is shifted to see what that does."""
 
 
@@ -90,7 +90,7 @@ def of_a_shift(law: Law, motion: Motion, harmonics: Callable[[Array], Array]) ->
         motion: R motions.
         harmonics: gives those of forces on them, N, shape (R, m).
     """
-    step = SHIFT * motion.slow["A"]
+    step = SHIFT_SHARE * motion.slow["A"]
     ahead, behind = (harmonics(force_of_law(law, replace(motion, y=motion.y + shift)).force) for shift in (step, -step))
     shifted = (ahead - behind) / (2 * step)
     shifted[:, 0] = 0.0

@@ -48,7 +48,7 @@ from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.said import counted
-from pipeclamp_models.law.file import Kind, Verdict
+from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
 
@@ -88,7 +88,7 @@ class Diagnosis:
         return self.found.effects
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """How what is named is meant: it explains what is missing, or takes a part of it."""
         return self.found.kind
 

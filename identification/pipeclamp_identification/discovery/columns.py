@@ -24,15 +24,15 @@ from pipeclamp_models.realise.force import LawForce, force_of_law
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import data_sizes, number_of
 
-MOST_CYCLES = 12
+MOST_SETTLING_CYCLES = 12
 """Cycles after which an element is taken for settled: one that slips is after one, one that relaxes slowly is not."""
-SETTLED = 1e-3
+SETTLED_SHARE = 1e-3
 """Share of its largest state by which it may still change from cycle to cycle."""
 PROBE = "found_scaled"
 
 
 @dataclass(frozen=True)
-class Column:
+class TermColumn:
     """A term at one start of its parameters.
 
     Attributes:
@@ -108,7 +108,7 @@ class Evaluation:
             white = observations.poolings.beside(self.law_force).without(white)
         return np.asarray(white[0])
 
-    def columns(self, term: Term) -> list[Column]:
+    def columns(self, term: Term) -> list[TermColumn]:
         """Give a term at each of its starts; none where the law has nothing that it scales."""
         effect = term.effect
         count = max(len(one.starts) for one in effect.parameters)
@@ -118,7 +118,7 @@ class Evaluation:
         ]
         return self.columns_at(term, starts)
 
-    def columns_at(self, term: Term, points: Iterable[Mapping[str, float]]) -> list[Column]:
+    def columns_at(self, term: Term, points: Iterable[Mapping[str, float]]) -> list[TermColumn]:
         """Give a term at values of its parameters, by name; its strength, or rate, is one."""
         effect = term.effect
         linear = linear_symbol(term.family)
@@ -132,7 +132,7 @@ class Evaluation:
             values = {name: point[name] for name in own}
             change = make(values)
             if np.all(np.isfinite(change)) and np.any(change):
-                found.append(Column(term, values, change, signed))
+                found.append(TermColumn(term, values, change, signed))
         return found
 
     def _scaling(self, term: Term, effect: Effect) -> Callable[[Mapping[str, float]], Array] | None:
@@ -169,13 +169,13 @@ class Evaluation:
         }
         now = np.zeros(len(self.motion.y))
         trajectory = np.empty_like(self.motion.y)
-        for _ in range(MOST_CYCLES):
+        for _ in range(MOST_SETTLING_CYCLES):
             before = now
             for place in range(trajectory.shape[1]):
                 here = {key: value[:, place] for key, value in moving.items()}
                 now = np.asarray(update(**still, **here, **values, **{name: now}), dtype=np.float64)
                 trajectory[:, place] = now
-            if np.max(np.abs(now - before)) <= SETTLED * np.max(np.abs(trajectory)):
+            if np.max(np.abs(now - before)) <= SETTLED_SHARE * np.max(np.abs(trajectory)):
                 break
         return {name: trajectory}
 
@@ -198,7 +198,7 @@ def _probe(role: str) -> Declaration:
     )
 
 
-def weighed_anew(columns: Sequence[Column], before: Evaluation, after: Evaluation) -> list[Column]:
+def weighed_anew(columns: Sequence[TermColumn], before: Evaluation, after: Evaluation) -> list[TermColumn]:
     """Give columns in the units of another evaluation of the same tests; those that say nothing in them go.
 
     Args:
@@ -213,9 +213,9 @@ def weighed_anew(columns: Sequence[Column], before: Evaluation, after: Evaluatio
     return [replace(one, change=np.einsum("rij,rj->ri", units, one.change)) for one in columns]
 
 
-def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Callable[[str], None]) -> list[Column]:
+def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Callable[[str], None]) -> list[TermColumn]:
     """Give the columns of all terms."""
-    found: list[Column] = []
+    found: list[TermColumn] = []
     for place, term in enumerate(terms):
         if place % 50 == 0:
             tell(f"evaluate terms: {place} of {len(terms)}")
@@ -224,12 +224,12 @@ def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Callable[[s
 
 
 def beside_another_law(
-    columns: Sequence[Column],
+    columns: Sequence[TermColumn],
     before: Evaluation,
     after: Evaluation,
     terms: Sequence[Term],
     tell: Callable[[str], None],
-) -> list[Column]:
+) -> list[TermColumn]:
     """Give the columns of all terms beside another law: what adds a force adds the same, what scales it is evaluated.
 
     Args:
@@ -241,7 +241,7 @@ def beside_another_law(
     """
     if not _adds_the_same(before, after):
         return all_columns(after, terms, tell)
-    known: dict[str, list[Column]] = {}
+    known: dict[str, list[TermColumn]] = {}
     for column in columns:
         known.setdefault(column.term.declaration.id, []).append(column)
     found = (

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed, diagnosed
 from pipeclamp_identification.diagnosis.named import WITH, in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     Contender,
@@ -21,11 +21,19 @@ from pipeclamp_identification.diagnosis.problem import (
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
-from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns, beside_another_law
-from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
-from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
+from pipeclamp_identification.discovery.columns import Evaluation, TermColumn, all_columns, beside_another_law
+from pipeclamp_identification.discovery.grammar import FOLLOWED_CONDITIONS, Term, linear_symbol, terms
+from pipeclamp_identification.discovery.hearing import (
+    Hearing,
+    Hurdle,
+    RefittedTerm,
+    RivalTerm,
+    TermFound,
+    best_of,
+    refitted_of,
+)
 from pipeclamp_identification.discovery.refining import Refining
-from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
+from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.discovery.weights import weighed_as
 from pipeclamp_identification.fitting.heldout import condition_groups
@@ -52,7 +60,7 @@ LISTED = 3
 
 
 @dataclass(frozen=True)
-class Search:
+class TermSearch:
     """What a search came to.
 
     Attributes:
@@ -62,8 +70,8 @@ class Search:
         reason: why nothing is proposed; empty where something is.
     """
 
-    diagnosed: Diagnosed
-    found: Found | None
+    diagnosed: RecordDiagnosed
+    found: TermFound | None
     tried: int
     reason: str = ""
 
@@ -76,7 +84,7 @@ def search(
     declared: Iterable[Declaration] = (),
     jobs: int = 1,
     progress: Progress,
-) -> Search:
+) -> TermSearch:
     """Search the grammar for a term that a law lacks.
 
     Args:
@@ -100,9 +108,9 @@ def search(
     declared = tuple(declared)
     found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
     if found.verdict == "complete":
-        return Search(found, None, 0, "nothing is missing: what the law leaves over is scatter")
+        return TermSearch(found, None, 0, "nothing is missing: what the law leaves over is scatter")
     if found.kind == "cause":
-        return Search(found, None, 0, catalogue_first(found.effects))
+        return TermSearch(found, None, 0, catalogue_first(found.effects))
     loops = _by_name(loops)
     groups = condition_groups(loops)
     kept = groups % KEPT_BACK == KEPT_BACK // 2
@@ -114,25 +122,25 @@ def search(
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
-    bar = Bar(law, listed, _rows(loops, kept), found.effects)
+    bar = Hurdle(law, listed, _rows(loops, kept), found.effects)
 
     evaluation = Evaluation(problem, law)
     columns = all_columns(evaluation, every, progress)
 
-    def asked(basis: Basis) -> Found | str:
+    def asked(basis: Basis) -> TermFound | str:
         other = Evaluation(problem, basis.law)
         beside = beside_another_law(columns, evaluation, other, every, progress)
         return _asked(other, beside, basis.gone, bar, jobs, progress)
 
     own = _asked(evaluation, columns, (), bar, jobs, progress)
-    heard = [own] if isinstance(own, Found) else []
+    heard = [own] if isinstance(own, TermFound) else []
     heard += in_the_place_of_effects(law, problem, asked, jobs, progress)
     if not heard:
-        return Search(found, None, len(every), own if isinstance(own, str) else "")
+        return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
     result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
-    return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+    return TermSearch(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
 
 
 def terms_asked(problem: Problem) -> list[Term]:
@@ -162,8 +170,8 @@ def catalogue_first(causes: Sequence[str]) -> str:
 
 
 def in_the_place_of_effects(
-    law: Judged, problem: Problem, asked: Callable[[Basis], Found | str], jobs: int, progress: Progress
-) -> list[Found]:
+    law: Judged, problem: Problem, asked: Callable[[Basis], TermFound | str], jobs: int, progress: Progress
+) -> list[TermFound]:
     """Give terms that pass in the place of some of a law's effects: of its last ones, and of those that aren't needed.
 
     Args:
@@ -174,11 +182,11 @@ def in_the_place_of_effects(
         progress: is told what is being done.
     """
 
-    def found_in(bases: Iterable[Basis]) -> Iterator[Found]:
+    def found_in(bases: Iterable[Basis]) -> Iterator[TermFound]:
         for basis in bases:
             progress(f"a term in the place of {' and '.join(basis.gone)}")
             found = asked(basis)
-            if isinstance(found, Found):
+            if isinstance(found, TermFound):
                 yield found
 
     found = list(found_in(without_last_effects(law, problem)))
@@ -192,8 +200,13 @@ def in_the_place_of_effects(
 
 
 def _asked(
-    evaluation: Evaluation, columns: Sequence[Column], gone: tuple[str, ...], bar: Bar, jobs: int, progress: Progress
-) -> Found | str:
+    evaluation: Evaluation,
+    columns: Sequence[TermColumn],
+    gone: tuple[str, ...],
+    bar: Hurdle,
+    jobs: int,
+    progress: Progress,
+) -> TermFound | str:
     """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at.
 
     Args:
@@ -206,14 +219,14 @@ def _asked(
     """
     law, problem = evaluation.law, evaluation.problem
     progress("what chance would explain")
-    scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+    scanned = screened_columns(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
     chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
         return "no term of the grammar explains more than the best of them by an even chance"
     known = {column.term.declaration.id: column.term for column in columns}
 
-    def together(contenders: Sequence[Contender]) -> list[Refitted]:
+    def together(contenders: Sequence[Contender]) -> list[RefittedTerm]:
         judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
         return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
 
@@ -228,7 +241,7 @@ def _asked(
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
     refining = Refining(_varied(problem), jobs, progress)
-    heard: list[Found] = []
+    heard: list[TermFound] = []
     while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)
         found = hearing.of(best, rivals)
@@ -239,7 +252,7 @@ def _asked(
     return heard[-1] if heard[-1].passed else heard[0]
 
 
-def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[bool]) -> list[Refitted]:
+def left_to_hear(left: Sequence[RefittedTerm], failed: RefittedTerm, alike: Sequence[bool]) -> list[RefittedTerm]:
     """Give the terms that may be asked after one failed: what acts as it does would fail too, or pass by luck.
 
     So would what only scales or places it: had that been needed, the longer term would have been asked first.
@@ -257,7 +270,7 @@ def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[boo
     ]
 
 
-def weighed_by_the_best(heard: Sequence[Found], problem: Problem) -> list[Found]:
+def weighed_by_the_best(heard: Sequence[TermFound], problem: Problem) -> list[TermFound]:
     """Give terms that passed in different places in the weights of the best of them, in which they are held together.
 
     In those of the law without them, which lacks much, all that take most of it would be equals.
@@ -270,7 +283,7 @@ def weighed_by_the_best(heard: Sequence[Found], problem: Problem) -> list[Found]
     return [replace(one, judged=weighed_as(one.judged, weighed)) for one in heard]
 
 
-def best_heard(heard: Sequence[Found]) -> Found:
+def best_heard(heard: Sequence[TermFound]) -> TermFound:
     """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
 
     The first is the law's own, which counts only where it passed or no other did.
@@ -281,7 +294,7 @@ def best_heard(heard: Sequence[Found]) -> Found:
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
 
 
-def with_rivals_elsewhere(best: Found, heard: Sequence[Found], loops: Loops) -> Found:
+def with_rivals_elsewhere(best: TermFound, heard: Sequence[TermFound], loops: Loops) -> TermFound:
     """Name among a term's rivals what does as well in another place, and the test that tells the two laws apart.
 
     Args:
@@ -296,7 +309,9 @@ def with_rivals_elsewhere(best: Found, heard: Sequence[Found], loops: Loops) -> 
     if not others:
         return best
     rivals = tuple(
-        Rival(one.term, f"in the place of {' and '.join(one.gone)}" if one.gone else "beside all effects of the law")
+        RivalTerm(
+            one.term, f"in the place of {' and '.join(one.gone)}" if one.gone else "beside all effects of the law"
+        )
         for one in others
     )
     telling = best.next_test or telling_test(best.judged.result.law, others[0].judged.result.law, loops)
@@ -322,7 +337,7 @@ def _weighed(structure: Structure, loops: Loops, start: Mapping[str, float]) -> 
 def _varied(problem: Problem) -> tuple[Sequence[str], Mapping[str, float]]:
     """Give what varies over the tests: of A, f, T and N, and further columns with their largest magnitude."""
     slow = problem.observations.motion.slow
-    names = [name for name in LEVELS if name in slow and varies(name, slow[name])]
+    names = [name for name in FOLLOWED_CONDITIONS if name in slow and varies(name, slow[name])]
     conditions = {
         name: float(np.max(np.abs(values)))
         for name, values in problem.loops.conditions.items()
@@ -340,7 +355,7 @@ def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
     return Contender((term.declaration.id,), larger, [start])
 
 
-def _related(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
+def _related(law: Judged, refitted: Sequence[RefittedTerm], known: Mapping[str, Term]) -> list[Contender]:
     """Give the best terms without their scaling or place, and as they may have grown, where that wasn't fitted yet."""
     best = sorted(refitted, key=lambda one: one.squares)[:MOST_RELATED]
     fitted = {one.term.declaration.id for one in refitted}

@@ -12,11 +12,11 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from pipeclamp_identification.discovery.grammar import (
-    FAST,
-    LONG,
+    LENGTH,
     MOST_PARAMETERS,
     RATE,
     SCALED,
+    SPEED,
     STRENGTH,
     Entry,
     Scale,
@@ -29,15 +29,15 @@ from pipeclamp_models.law.declaration import Declaration, ParameterTable
 
 EXPONENT, WIDTH, MOVED = ("e_x", "j_x"), ("d_x", "b_x"), ("n_x", "i_x", "o_x")
 """Symbols of what a refined term has more, the first that it hasn't got."""
-FIXED = re.compile(r"\)\*\*(\d+(?:\.\d+)?)(?![\w.])")
+FIXED_EXPONENT = re.compile(r"\)\*\*(\d+(?:\.\d+)?)(?![\w.])")
 """A group's fixed exponent."""
-SMALL = 0.001
+SMALLEST_BASIS = 0.001
 """What is raised to a free exponent is never less: its slope by the exponent is finite."""
 FREEST = 4.0
 """A freed exponent lies between its fixed value over this and times this."""
 EXPONENTS, WIDTHS, MOVES = (1.0,), (0.1, 0.5), (0.0,)
 """From where they are fitted: shares of the fixed exponent and of the place of a corner, and powers of a condition."""
-SMOOTHEST = {LONG["unit"]: LONG, FAST["unit"]: FAST}
+SMOOTHEST = {LENGTH["unit"]: LENGTH, SPEED["unit"]: SPEED}
 """Bounds of the width in which a corner is made smooth, by its unit."""
 
 
@@ -93,7 +93,7 @@ def _text(declaration: Declaration) -> str:
 def _powers(text: str) -> list[tuple[str, float]]:
     """Give the groups that are raised to a fixed exponent, each once."""
     found: dict[str, float] = {}
-    for match in FIXED.finditer(text):
+    for match in FIXED_EXPONENT.finditer(text):
         begin = _opening(text, match.start())
         function = re.search(r"[a-z]+$", text[:begin])
         found.setdefault(text[function.start() if function else begin : match.start() + 1], float(match[1]))
@@ -139,9 +139,9 @@ def _freed(term: Term, group: str, exponent: float, number: int) -> Term:
     if group.startswith("max(") and not group.endswith(", 0)"):
         power = f"{group}**{symbol}"
     elif group.lstrip("(").startswith(("max(", "abs(")):  # zero stays zero: one direction of a damping does nothing
-        power = f"({group} * ({group} + {SMALL})**({symbol} - 1))"
+        power = f"({group} * ({group} + {SMALLEST_BASIS})**({symbol} - 1))"
     else:
-        power = f"(abs({group}) + {SMALL})**{symbol}"
+        power = f"(abs({group}) + {SMALLEST_BASIS})**{symbol}"
     entry: Entry = {"symbol": symbol, "unit": "-", "meaning": "exponent", "start": exponent,
                     "lower": exponent / FREEST, "upper": exponent * FREEST}  # fmt: skip
     old = re.compile(re.escape(group) + r"\*\*\d+(?:\.\d+)?(?![\w.])")

@@ -28,8 +28,8 @@ STRENGTH, RATE = "F_x", "s_x"
 """Symbols of the force that a term adds, N, and of the exponent of a factor."""
 SIGN_Y, SIGN_V = "(y / sqrt(y**2 + y_r**2))", "(v / sqrt(v**2 + v_r**2))"
 SIZE_Y, SIZE_V = "sqrt(y**2 + y_r**2)", "sqrt(v**2 + v_r**2)"
-LONG = {"symbol": "y_x", "unit": "mm", "lower": "0.01 * A_typical", "upper": "3 * A_highest"}
-FAST = {
+LENGTH = {"symbol": "y_x", "unit": "mm", "lower": "0.01 * A_typical", "upper": "3 * A_highest"}
+SPEED = {
     "symbol": "v_x",
     "unit": "mm/s",
     "lower": "0.01 * A_typical * f_typical",
@@ -109,7 +109,7 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
     if "T" in varied:
         for family, shape in _moved_by_temperature():
             yield _force_term(family, shape, None)
-    signals = [*(name for name in LEVELS if name in varied), *conditions]
+    signals = [*(name for name in FOLLOWED_CONDITIONS if name in varied), *conditions]
     for role, signal in itertools.product(ROLES, signals):
         yield from _factors(role, signal, conditions)
 
@@ -153,7 +153,7 @@ ABOVE_ZERO = 0.001
 
 
 def _length(meaning: str, *shares: float, of: str = "A_highest") -> Entry:
-    return {**LONG, "meaning": meaning, "start": tuple(f"{share} * {of}" for share in shares)}
+    return {**LENGTH, "meaning": meaning, "start": tuple(f"{share} * {of}" for share in shares)}
 
 
 def _exponent(meaning: str, *starts: float, lower: float = 0.0, upper: float = 9.0) -> Entry:
@@ -163,7 +163,7 @@ def _exponent(meaning: str, *starts: float, lower: float = 0.0, upper: float = 9
 def _limit() -> Entry:
     starts = tuple(f"{share} * A_highest" for share in (1.2, 1.6, 3.0))
     meaning = "displacement at which it would grow without bound"
-    return {**LONG, "meaning": meaning, "start": starts, "lower": "1.05 * A_highest", "upper": "10 * A_highest"}
+    return {**LENGTH, "meaning": meaning, "start": starts, "lower": "1.05 * A_highest", "upper": "10 * A_highest"}
 
 
 def _springs() -> Iterator[_Shape]:
@@ -203,7 +203,7 @@ def _springs() -> Iterator[_Shape]:
     )  # fmt: skip
     yield _Shape(
         "periodic_spring", "sin(y / y_x)", "a spring with a valley after each stretch of the way, as detents have",
-        (_length("stretch from valley to valley over 2 pi", *PERIODS),), signed=True,
+        (_length("stretch from valley to valley over 2 pi", *PERIOD_STARTS),), signed=True,
     )  # fmt: skip
     growth = _length("displacement by which it grows e times", 0.3, 1.0)
     for side, way in (("positive", "y"), ("negative", "-y")):
@@ -229,11 +229,11 @@ CLOSING = {
 SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
 
 
-PERIODS = (0.03, 0.045, 0.07, 0.1, 0.15, 0.22, 0.33, 0.5)
+PERIOD_STARTS = (0.03, 0.045, 0.07, 0.1, 0.15, 0.22, 0.33, 0.5)
 """Over the largest amplitude: a period is found only from a start that is near it."""
 
 
-PLACES = (
+WHERE_IT_ACTS = (
     ("", "1", "", ()),
     ("_off_middle", f"({SIZE_Y} / A_0)**r_x", ", growing with a power of the displacement",
      ({"symbol": "r_x", "unit": "-", "meaning": "exponent of the displacement", "start": (1.0, 2.0, 4.0), "lower": 0.1,
@@ -279,13 +279,13 @@ def _dampers() -> Iterator[_Shape]:
         ("forward_square", "(max(v, 0) / v_0)**2", "square damping while the displacement rises only", ()),
         ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
     )  # fmt: skip
-    for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, PLACES):
+    for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, WHERE_IT_ACTS):
         yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further),
                      plain=name if place else "")  # fmt: skip
 
 
 def _velocity(meaning: str, *shares: float) -> Entry:
-    return {**FAST, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
+    return {**SPEED, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
 
 
 TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
@@ -303,7 +303,7 @@ def _elements() -> Iterator[_Shape]:
         return {"symbol": "z_x", "unit": "-", "meaning": "strain of the element", "update": update}
 
     stored = f"{STRENGTH} * w_x * z_x**2 / 2"
-    for place, factor, where, further in PLACES:
+    for place, factor, where, further in WHERE_IT_ACTS:
         limit = factor.replace("y_x", "q_x")
         own = tuple({**one, "symbol": "q_x"} if one["symbol"] == "y_x" else one for one in further)
         yield _Shape(
@@ -339,7 +339,7 @@ def _elements() -> Iterator[_Shape]:
 def _moved_by_temperature() -> Iterator[tuple[Family, _Shape]]:
     """Give springs that begin at a place, and elements that relax in a time, which temperature moves."""
     warmer = "(T - T_0) / 100"
-    moves: Entry = {**LONG, "symbol": "m_x", "meaning": "by which it is nearer for each 100 K", "neutral": 0.0,
+    moves: Entry = {**LENGTH, "symbol": "m_x", "meaning": "by which it is nearer for each 100 K", "neutral": 0.0,
              "lower": "-A_highest", "upper": "A_highest", "start": ("0.1 * A_highest", "-0.1 * A_highest")}  # fmt: skip
     kink = _length("displacement from which it acts at 20 °C", 0.3, 0.6, 0.9)
     place = f"y_x - m_x * {warmer}"
@@ -389,7 +389,7 @@ def _name(shape: str, scale: Scale | None) -> str:
     return f"{shape}{f'_by_{scale.name}' if scale else ''}"
 
 
-LEVELS = {
+FOLLOWED_CONDITIONS = {
     "A": ("A / A_0", "0.5 * A_typical", "A_typical", "A_highest", "mm", "amplitude"),
     "f": ("f / f_0", "f_lowest", "f_typical", "f_highest", "Hz", "frequency"),
     "T": ("(T - T_0) / 100", "T_lowest + 0.3 * (T_highest - T_lowest)", "T_lowest + 0.6 * (T_highest - T_lowest)",
@@ -406,7 +406,7 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
         above, reach = f"abs({pure}) + {ABOVE_ZERO}", size
     else:
-        pure, low, high, reach, unit, name = LEVELS[signal]
+        pure, low, high, reach, unit, name = FOLLOWED_CONDITIONS[signal]
         bends = (low, high)
         plain, size = signal, {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}[signal]
         above = {"T": "T / T_0", "N": "1 + N"}.get(signal, pure)

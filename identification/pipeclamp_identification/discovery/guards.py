@@ -27,7 +27,7 @@ from pipeclamp_models.realise.force import force_of_equations, force_of_law
 
 COMES_BACK_SHARE = 0.8
 """A term that does as well as the best in fewer draws of the conditions may be an accident of some."""
-FEWEST_LEVELS = 2
+FEWEST_LEVELS_LEFT = 2
 """Of A and of f: levels that stay where the highest are left out to see how a term foretells beyond them."""
 
 
@@ -93,11 +93,11 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
         without, with_it = (_squares_left_out(each, problem, np.where(edge, 0, -1)) for each in (law, found))
         if with_it > without + RIVAL_LIKELIHOOD:
             worse.append(f"{name} ({without:.0f} -> {with_it:.0f} squares)")
-            if len(number_levels(values[~edge], relative=SAME_SHARE)) == FEWEST_LEVELS:
+            if len(number_levels(values[~edge], relative=SAME_SHARE)) == FEWEST_LEVELS_LEFT:
                 few.append(name)
     words = f"left out, the highest {' and '.join(worse or asked)} are foretold {'worse' if worse else 'no worse'}"
     if few:
-        words += f" from the {FEWEST_LEVELS} levels that stay; tests at more {' and '.join(few)} would tell more"
+        words += f" from the {FEWEST_LEVELS_LEFT} levels that stay; tests at more {' and '.join(few)} would tell more"
     return Guard("does no harm beyond", not worse, words if asked else "too few levels to leave the highest out")
 
 
@@ -111,7 +111,7 @@ def highest(values: Array, beyond: float) -> BoolArray:
     levels = number_levels(values, relative=SAME_SHARE)
     edge = np.zeros(len(values), dtype=np.bool_)
     most = float(np.max(values)) / beyond * (1 + SAME_SHARE)
-    for level in levels[FEWEST_LEVELS:]:
+    for level in levels[FEWEST_LEVELS_LEFT:]:
         edge[level.rows] = bool(level is levels[-1] or np.min(values[level.rows]) > most)
     return edge
 

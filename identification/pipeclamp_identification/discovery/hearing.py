@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.columns import Column, Evaluation
+from pipeclamp_identification.discovery.columns import Evaluation, TermColumn
 from pipeclamp_identification.discovery.grammar import Term, linear_symbol
 from pipeclamp_identification.discovery.guards import (
     Guard,
@@ -21,7 +21,7 @@ from pipeclamp_identification.discovery.guards import (
     not_in_the_catalogue,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.search import Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -29,7 +29,7 @@ from pipeclamp_models.law.declaration import Declaration
 
 
 @dataclass(frozen=True)
-class Rival:
+class RivalTerm:
     """A term that does as well as another.
 
     Attributes:
@@ -52,7 +52,7 @@ class Rival:
 
 
 @dataclass(frozen=True)
-class Found:
+class TermFound:
     """A term that passed, or the one that came nearest.
 
     Attributes:
@@ -69,7 +69,7 @@ class Found:
     term: Term
     judged: Judged
     law: Judged
-    rivals: tuple[Rival, ...]
+    rivals: tuple[RivalTerm, ...]
     next_test: str
     guards: tuple[Guard, ...]
     gone: tuple[str, ...] = ()
@@ -82,7 +82,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Bar:
+class Hurdle:
     """What a term must better.
 
     Attributes:
@@ -99,7 +99,7 @@ class Bar:
 
 
 @dataclass(frozen=True, eq=False)
-class Refitted:
+class RefittedTerm:
     """A term and the law with it, fitted together.
 
     Attributes:
@@ -110,7 +110,7 @@ class Refitted:
 
     judged: Judged
     term: Term
-    column: Column
+    column: TermColumn
 
     @property
     def squares(self) -> float:
@@ -123,7 +123,7 @@ class Refitted:
         return len(self.term.declaration.parameters)
 
 
-def beside(one: Refitted, groups: IntArray, others: Sequence[Column] = ()) -> Screened:
+def screened_beside(one: RefittedTerm, groups: IntArray, others: Sequence[TermColumn] = ()) -> Screened:
     """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
 
     That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
@@ -144,7 +144,7 @@ def beside(one: Refitted, groups: IntArray, others: Sequence[Column] = ()) -> Sc
         change = -fitted.jacobian[:, :, result.fitted.index(linear)]
     residual = fitted.residual + result.law.values[linear] * change
     columns = [*others, replace(one.column, change=change)]
-    return screened(columns, residual, fitted.jacobian[:, :, tangents], groups)
+    return screened_columns(columns, residual, fitted.jacobian[:, :, tangents], groups)
 
 
 @dataclass(frozen=True)
@@ -160,19 +160,19 @@ class Hearing:
     """
 
     evaluation: Evaluation
-    columns: Sequence[Column]
-    refitted: Sequence[Refitted]
-    bar: Bar
+    columns: Sequence[TermColumn]
+    refitted: Sequence[RefittedTerm]
+    bar: Hurdle
     gone: tuple[str, ...] = ()
 
     @cached_property
     def screened(self) -> Screened:
         """All that was screened, and after it each refitted term at its fitted values."""
         law, problem = self.evaluation.law, self.evaluation.problem
-        return screened(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
+        return screened_columns(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
 
     @property
-    def _every(self) -> list[Column]:
+    def _every(self) -> list[TermColumn]:
         return [*self.columns, *(one.column for one in self.refitted)]
 
     def by_chance(self, place: int) -> float:
@@ -180,13 +180,15 @@ class Hearing:
 
         What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
         """
-        return beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
+        return (
+            screened_beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
+        )
 
     @cached_property
     def explained(self) -> Array:
         """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
         groups = self.evaluation.problem.groups
-        return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
+        return np.array([screened_beside(one, groups).explained()[-1] for one in self.refitted])
 
     def alike(self, place: int) -> BoolArray:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
@@ -194,7 +196,7 @@ class Hearing:
         alike[place] = True
         return alike
 
-    def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
+    def of(self, best: RefittedTerm, rivals: Sequence[RefittedTerm]) -> TermFound:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.bar.law, self.evaluation.problem
         found, place = best.judged, self.refitted.index(best)
@@ -210,12 +212,12 @@ class Hearing:
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
         caution = worse_between_levels(law, found, problem)
-        return Found(
-            best.term, found, law, tuple(Rival(one.term) for one in rivals), telling, guards, self.gone, caution
+        return TermFound(
+            best.term, found, law, tuple(RivalTerm(one.term) for one in rivals), telling, guards, self.gone, caution
         )
 
 
-def best_of(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:
+def best_of(refitted: Sequence[RefittedTerm]) -> tuple[RefittedTerm, list[RefittedTerm]]:
     """Give the term that foretells best, of those that do as well that of fewest parameters, and the others.
 
     What has more parameters is a rival too, where it isn't one of them with something added.
@@ -230,6 +232,6 @@ def best_of(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:
     return best, sorted(kept[1:], key=lambda one: one.squares)
 
 
-def refitted_of(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:
+def refitted_of(judged: Judged, term: Term, evaluation: Evaluation) -> list[RefittedTerm]:
     """Give a term that was fitted together with the law; none where it does nothing at its fitted values."""
-    return [Refitted(judged, term, column) for column in evaluation.columns_at(term, [judged.result.law.values])]
+    return [RefittedTerm(judged, term, column) for column in evaluation.columns_at(term, [judged.result.law.values])]

@@ -11,15 +11,15 @@ from typing import Literal
 import tomli_w
 from pydantic import Field
 
-from pipeclamp_identification.discovery.discover import Search
+from pipeclamp_identification.discovery.discover import TermSearch
 from pipeclamp_identification.discovery.guards import Guard
-from pipeclamp_identification.discovery.hearing import Found
+from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.range import rounded
 
-DIGITS = 4
+COEFFICIENT_DIGITS = 4
 
 
 class GuardAnswer(AnswerModel):
@@ -73,7 +73,7 @@ class DiscoveryAnswer(AnswerModel):
 
 
 @dataclass(frozen=True)
-class Proposal:
+class TermProposal:
     """What a search came to, with the law that has the term.
 
     Attributes:
@@ -88,7 +88,7 @@ class Proposal:
         spare: effects that went, for the law does as well without them, now that it has the term.
     """
 
-    search: Search
+    search: TermSearch
     before: LawFile
     after: LawFile | None
     heldout: tuple[float, float] | None
@@ -104,7 +104,7 @@ class Proposal:
         return self.declaration is not None
 
     @property
-    def found(self) -> Found | None:
+    def found(self) -> TermFound | None:
         """The best term, whether it passed or not."""
         return self.search.found
 
@@ -227,7 +227,7 @@ def toml_of(declaration: Declaration) -> str:
     return tomli_w.dumps(content)
 
 
-def refused(proposal: Proposal, guard: Guard) -> Proposal:
+def refused(proposal: TermProposal, guard: Guard) -> TermProposal:
     """Take a proposal back, for a guard that it doesn't pass."""
     words = f"{proposal.found.term.acts_like if proposal.found else 'the term'}: {guard.words}"
     return replace(proposal, after=None, heldout=None, declaration=None, guards=(*proposal.guards, guard), reason=words)

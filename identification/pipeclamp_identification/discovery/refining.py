@@ -9,7 +9,7 @@ from typing import TypeAlias
 from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
 from pipeclamp_identification.discovery.guards import (
@@ -18,9 +18,9 @@ from pipeclamp_identification.discovery.guards import (
     surely_better,
     surely_worse,
 )
-from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
+from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm, TermFound, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
-from pipeclamp_identification.discovery.search import screened
+from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import with_effect
@@ -29,9 +29,9 @@ MOST_REFINED = 3
 """Terms, best first, of which refined forms are tried: what is missing may be a number of one that does worse."""
 MOST_JOINED = 6
 """Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
-ALONE = ("more than chance", "comes back")
+GUARDS_IN_PLACE = ("more than chance", "comes back")
 """What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are."""
-BESIDE = (*ALONE, "confirmed")
+GUARDS_BESIDE = (*GUARDS_IN_PLACE, "confirmed")
 """And beside all of them: with a part of it missing it may foretell the edges badly, and effects may do as well."""
 
 Form: TypeAlias = tuple[Term, Sequence[Mapping[str, float]]]
@@ -52,7 +52,7 @@ class Refining:
     jobs: int
     progress: Progress
 
-    def of(self, found: Found, best: Refitted, hearing: Hearing) -> Found:
+    def of(self, found: TermFound, best: RefittedTerm, hearing: Hearing) -> TermFound:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
 
         A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no
@@ -63,7 +63,7 @@ class Refining:
             best: the same, fitted together with the law.
             hearing: what it was asked with.
         """
-        needed = ALONE if found.gone else BESIDE
+        needed = GUARDS_IN_PLACE if found.gone else GUARDS_BESIDE
         if any(not guard.passed for guard in found.guards if guard.name in needed):
             return found
         plain, asked = found, hearing
@@ -73,7 +73,7 @@ class Refining:
             return plain
         return replace(found, judged=weighed_as(found.judged, asked.evaluation.problem), law=asked.bar.law)
 
-    def _one_more(self, best: Refitted, hearing: Hearing) -> tuple[Found, Refitted, Hearing] | None:
+    def _one_more(self, best: RefittedTerm, hearing: Hearing) -> tuple[TermFound, RefittedTerm, Hearing] | None:
         """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
         self.progress(f"refine {best.term.acts_like}")
         shorter = [one for one in hearing.refitted if one.term.declaration.id in best.term.shorter]
@@ -107,7 +107,7 @@ class Refining:
         found = wider.of(best, rivals)
         return (found, best, wider) if found.passed else None
 
-    def _freed(self, one: Refitted) -> Iterator[Form]:
+    def _freed(self, one: RefittedTerm) -> Iterator[Form]:
         """Give a term with each of its numbers freed, and values to start from."""
         values = one.judged.result.law.values
         for term, starts in refinements(one.term, values, *self.varied):
@@ -115,25 +115,25 @@ class Refining:
             yield term, [{**values, new: start} for start in starts]
 
 
-def _beside(one: Refitted, hearing: Hearing) -> Iterator[Form]:
+def _beside(one: RefittedTerm, hearing: Hearing) -> Iterator[Form]:
     """Give a term with each of the second terms that explain most of what it leaves over, and values to start from."""
     fitted, values = one.judged.fitted, one.judged.result.law.values
     strength = values[linear_symbol(one.term.family)]
     columns = [column for column in hearing.columns if may_join(one.term, column.term)]
     if not columns or strength == 0.0:
         return
-    scanned = screened(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
+    scanned = screened_columns(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
     for place in scanned.best_first(MOST_JOINED):
         column = columns[place]
         share = scanned.strength(place) / scanned.lengths[place] / abs(strength)
         yield joined(one.term, column.term, strength), [{**values, **_of_second(column), SHARE: share}]
 
 
-def _of_second(column: Column) -> dict[str, float]:
+def _of_second(column: TermColumn) -> dict[str, float]:
     return {f"{name.removesuffix('_x')}_b_x": value for name, value in column.values.items()}
 
 
-def betters(best: Refitted, plain: Refitted, tried: Sequence[Refitted], hearing: Hearing) -> bool:
+def betters(best: RefittedTerm, plain: RefittedTerm, tried: Sequence[RefittedTerm], hearing: Hearing) -> bool:
     """Tell whether a refined form passes against the plain one what that must pass against the law, or does no harm.
 
     Args:
@@ -144,7 +144,7 @@ def betters(best: Refitted, plain: Refitted, tried: Sequence[Refitted], hearing:
     """
     problem, fitted = hearing.evaluation.problem, plain.judged.fitted
     every = [*hearing.columns, *(one.column for one in tried)]
-    scanned = screened(every, fitted.residual, fitted.jacobian, problem.groups)
+    scanned = screened_columns(every, fitted.residual, fitted.jacobian, problem.groups)
     chance = scanned.without(len(hearing.columns) + tried.index(best)).by_chance()
     laws = plain.judged.result.law, best.judged.result.law
     return (

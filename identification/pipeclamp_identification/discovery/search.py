@@ -14,21 +14,21 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 
 FLIPS = 400
 """Times that signs of runs are turned."""
-BY_CHANCE = 0.01
+CHANCE_SHARE = 0.01
 """A term is beyond chance where it explains more than the best of the grammar does in all but this share of turns."""
 WORTH_FITTING = 0.5
 """And worth fitting where it does so at a start of its parameters in all but this share: fitted, it explains more."""
-ALIKE = 0.9
+ALIKE_CORRELATION = 0.9
 """Columns that correlate by more than this act alike."""
-SAME = 0.999
+SAME_CORRELATION = 0.999
 SEED = 20_261_123
-LEAST = 1e-9
-WITHIN = 1e-6
+SMALLEST_SQUARES = 1e-9
+LEFT_BY_ROUNDING = 1e-6
 """What is left of a column beyond the law's tangents below this share of it is rounding."""
 
 
@@ -45,7 +45,7 @@ class Screened:
         lengths: of the changes before they were made unit, shape (C,).
     """
 
-    columns: Sequence[Column]
+    columns: Sequence[TermColumn]
     free: npt.NDArray[np.float32]
     by_run: tuple[Array, Array]
     groups: IntArray
@@ -74,7 +74,7 @@ class Screened:
     def _squares_of_others(self) -> Array:
         """Of each group: those of all the others, shape (groups, C)."""
         squares = self._squares_by_group
-        return np.asarray(np.maximum(np.sum(squares, axis=0) - squares, LEAST))
+        return np.asarray(np.maximum(np.sum(squares, axis=0) - squares, SMALLEST_SQUARES))
 
     def _by_group(self, by_run: Array) -> Array:
         """Sum what each run has over the groups, shape (groups, C)."""
@@ -86,9 +86,9 @@ class Screened:
     def strength(self, place: int) -> float:
         """Give the strength that fits best, of one column."""
         products, squares = (sums[:, place].sum() for sums in self.by_run)
-        return float(products / max(squares, LEAST))
+        return float(products / max(squares, SMALLEST_SQUARES))
 
-    def by_chance(self, share: float = BY_CHANCE) -> float:
+    def by_chance(self, share: float = CHANCE_SHARE) -> float:
         """Give what the best column explains where signs of runs are turned at random, but for a share of the turns."""
         random = np.random.default_rng(SEED)
         runs = len(self.groups)
@@ -116,7 +116,7 @@ class Screened:
                 break
             if met[best]:
                 continue
-            same = self.alike(best, SAME) & (explained > 0)
+            same = self.alike(best, SAME_CORRELATION) & (explained > 0)
             same[best] = True
             met |= same
             alike = np.flatnonzero(same)
@@ -125,12 +125,12 @@ class Screened:
                 chosen.append(place)
         return chosen
 
-    def alike(self, place: int, least: float = ALIKE) -> BoolArray:
+    def alike(self, place: int, least: float = ALIKE_CORRELATION) -> BoolArray:
         """Tell which columns act as one does, with this correlation at least, shape (C,)."""
         return np.asarray(np.abs(self.free.T @ self.free[:, place]) > least)
 
 
-def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
+def screened_columns(columns: Sequence[TermColumn], residual: Array, jacobian: Array, groups: IntArray) -> Screened:
     """Free columns of what a law's parameters can do.
 
     Args:
@@ -147,7 +147,7 @@ def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups
     changes -= tangents @ (tangents.T @ changes)
     left = residual.ravel() - tangents @ (tangents.T @ residual.ravel())
     length = np.linalg.norm(changes, axis=0)
-    own = length > WITHIN * before
+    own = length > LEFT_BY_ROUNDING * before
     changes = np.where(own, changes / np.where(own, length, 1.0), 0.0)
     by_run = changes.reshape(runs, size, -1)
     products = np.einsum("rmc,rm->rc", by_run, left.reshape(runs, size))

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, weighed_again
 from pipeclamp_identification.discovery.columns import Evaluation, weighed_anew
-from pipeclamp_identification.discovery.hearing import Bar, Hearing, Refitted, refitted_of
+from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, RefittedTerm, refitted_of
 
 WORTH_WEIGHING_SHARE = 0.5
 """Tests are weighed again where the variance that counts as none of the law's falls below this share."""
@@ -20,7 +20,9 @@ MOST_WEIGHED = 8
 """Terms, best first, that are fitted again to tests weighed again."""
 
 
-def weighed_by(best: Refitted, near: Sequence[Refitted], hearing: Hearing) -> tuple[Hearing, list[Refitted]]:
+def weighed_by(
+    best: RefittedTerm, near: Sequence[RefittedTerm], hearing: Hearing
+) -> tuple[Hearing, list[RefittedTerm]]:
     """Weigh the tests by what the law with a term leaves, and fit what a refined form must better again.
 
     Args:
@@ -44,7 +46,7 @@ def weighed_by(best: Refitted, near: Sequence[Refitted], hearing: Hearing) -> tu
     asked = law if not hearing.gone else weighed_as(bar.law, problem)
     heard = Hearing(
         evaluation, weighed_anew(hearing.columns, before, evaluation), [one for each in fitted for one in each],
-        Bar(asked, [weighed_as(one, problem) for one in bar.listed], bar.unseen, bar.named), hearing.gone,
+        Hurdle(asked, [weighed_as(one, problem) for one in bar.listed], bar.unseen, bar.named), hearing.gone,
     )  # fmt: skip
     return heard, [one for each in fitted[: len(near)] for one in each]
 

@@ -21,7 +21,7 @@ CLOSE = 1e-3
 """And when no more than this lies between, and a step of its own leads over the bound."""
 ABOVE_LOWER = 0.01
 """No more than this share of a lower bound above nought may lie above it either: a range may cover decades."""
-SMALLEST = 1e-3
+SMALLEST_SIZE = 1e-3
 """Size that a parameter without two bounds counts as at least."""
 
 
@@ -38,7 +38,7 @@ def close_to_a_bound(values: Array, lower: Array, upper: Array, share: float) ->
     Where a bound is infinite the value itself stands for the range.
     """
     allowed = upper - lower
-    width = share * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), SMALLEST))
+    width = share * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), SMALLEST_SIZE))
     above = np.where(lower > 0, np.minimum(width, ABOVE_LOWER * lower), width)
     return np.asarray((values - lower <= above) | (upper - values <= width))
 

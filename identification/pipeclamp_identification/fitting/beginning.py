@@ -13,19 +13,19 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import LawForce, force_of_law
 from pipeclamp_models.realise.motion import Motion
 
-STILL = 0.01
+REST_SPEED_SHARE = 0.01
 """Share of a record's largest speed below which it still rests at its beginning."""
-SURE = 3.0
+SURE_STANDARD_ERRORS = 3.0
 """Standard errors by which the force at rest must differ from that of an unloaded law."""
 MATERIAL = 0.01
 """Share of the rms force, too: what is less than laws err by at best isn't worth a past."""
-PLACES = 400
+PLACES_ON_A_SIDE = 400
 """Places on one side that the clamp may have come from."""
-FARTHEST = 2.0
+FARTHEST_AWAY = 2.0
 """Of the law's largest amplitude, or the record's own way: from so far, at most, has it come."""
-STEPS = 100
+APPROACH_STEPS = 100
 """In which it came, straight."""
-LONG = 1e6
+SECONDS_OF_A_STEP = 1e6
 """Seconds of each of these steps: what fades in time has faded at rest."""
 
 
@@ -59,15 +59,15 @@ def beginning(law: Law, run: FreeRun, motion: Motion, unloaded: Array, largest: 
     if not law.equations.states or not run.begins_at_rest:
         return None
     lack, error = _lack_at_rest(run, unloaded)
-    if not abs(lack) > max(SURE * error, MATERIAL * float(np.sqrt(np.mean(run.record.force_N**2)))):
+    if not abs(lack) > max(SURE_STANDARD_ERRORS * error, MATERIAL * float(np.sqrt(np.mean(run.record.force_N**2)))):
         return None
     here = float(approached(law, motion, np.zeros(1)).force[0, -1])
-    reach = FARTHEST * max(largest, float(np.ptp(motion.y)))
+    reach = FARTHEST_AWAY * max(largest, float(np.ptp(motion.y)))
     # the farther a clamp comes from below, the higher its force
     side = -1.0 if lack > 0 else 1.0
     low, high = 0.0, reach
     for _ in range(2):  # the second time within the first's interval
-        away = np.linspace(low, high, PLACES + 1)
+        away = np.linspace(low, high, PLACES_ON_A_SIDE + 1)
         force = approached(law, motion, side * away).force[:, -1]
         risen = np.maximum.accumulate(-side * (force - here))
         if not np.all(np.isfinite(risen)) or risen[-1] <= 0.0:
@@ -86,20 +86,20 @@ def came_from(law: Law, motion: Motion, away: float) -> Beginning:
 def approached(law: Law, motion: Motion, away: Array) -> LawForce:
     """Give force and states of a law on straight ways to a motion's first sample, from so far away, mm, shape (P,)."""
     first = {name: values[:, :1] for name, values in motion.slow.items()}
-    share = 1 - np.arange(1, STEPS + 1) / STEPS
+    share = 1 - np.arange(1, APPROACH_STEPS + 1) / APPROACH_STEPS
     begin = motion.y[0, 0] + away[:, None]
     y = motion.y[0, 0] + away[:, None] * share
     still = np.zeros_like(y)
     return force_of_law(
         law,
-        Motion(y, still, still, first, np.full((len(away), 1), LONG), periodic=False, rest=begin),
+        Motion(y, still, still, first, np.full((len(away), 1), SECONDS_OF_A_STEP), periodic=False, rest=begin),
     )
 
 
 def _lack_at_rest(run: FreeRun, unloaded: Array) -> tuple[float, float]:
     """Give what the force of an unloaded law lacks before the motion begins, N, and its standard error."""
     speed = np.abs(run.motion.v)
-    begun = max(int(np.argmax(speed > STILL * np.max(speed))), 1)
+    begun = max(int(np.argmax(speed > REST_SPEED_SHARE * np.max(speed))), 1)
     force = np.interp(run.motion.time[:begun], run.record.time_s - run.record.time_s[0], run.record.force_N)
     lack = force - unloaded[:begun]
     return float(np.mean(lack)), float(np.std(lack)) / math.sqrt(begun)

@@ -6,10 +6,10 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-ALONE = 1e-6
+ALONE_SHARE = 1e-6
 """A direction of the parameters that the other runs determine to less than this share: nothing is seen without it."""
 
-LARGEST = 1e150
+LARGEST_ERROR = 1e150
 """Standard errors, in a parameter's own unit, are this at most: their squares still are numbers."""
 
 
@@ -34,7 +34,7 @@ def covariance_of(scaled: Array, norms: Array, residual: Array, compared: int, p
     inverse = np.linalg.pinv(scaled.T @ scaled + spread * np.diag((np.sqrt(precision) / norms) ** 2), hermitian=True)
     stated = inverse * spread
     moved = moved_by_runs(scaled.reshape(runs, -1, count), inverse, residual)
-    widened = np.minimum(np.sqrt(np.maximum(moved / np.diag(stated), 1.0)) / norms, LARGEST)
+    widened = np.minimum(np.sqrt(np.maximum(moved / np.diag(stated), 1.0)) / norms, LARGEST_ERROR)
     return np.asarray(stated * np.outer(widened, widened))
 
 
@@ -54,5 +54,5 @@ def moved_by_runs(jacobian: Array, inverse: Array, residual: Array) -> Array:
     by_run = jacobian @ root
     leverages, directions = np.linalg.eigh(by_run.transpose(0, 2, 1) @ by_run)
     pulls = np.einsum("rpd,rp->rd", directions, np.einsum("rmp,rm->rp", by_run, residual))
-    moved = np.where(leverages < 1 - ALONE, pulls / np.maximum(1 - leverages, ALONE), 0.0)
+    moved = np.where(leverages < 1 - ALONE_SHARE, pulls / np.maximum(1 - leverages, ALONE_SHARE), 0.0)
     return np.asarray(np.sum((root @ np.einsum("rpd,rd->pr", directions, moved)) ** 2, axis=1))

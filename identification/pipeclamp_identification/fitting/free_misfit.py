@@ -25,7 +25,7 @@ from pipeclamp_models.realise.scalar_law import parts_of_law
 from pipeclamp_models.steps.tracker import Interval, held, start_tracking, tracked
 from pipeclamp_models.steps.ways import ways_along
 
-REMEMBERED = 0.5
+REMEMBERED_SHARE = 0.5
 """A law remembers its beginning to a record's end where another beginning shows there, by more than this share of what
 it made of the force at first: what fades in time has long faded, and an element that never slips keeps all of it."""
 NOWHERE = 1e-9
@@ -279,4 +279,4 @@ def _remembers_its_beginning(law: Law, motion: Motion, force: Array) -> bool:
     other = force_of_law(law, replace(motion, memory=came_from(law, motion, -float(np.ptp(motion.y))).memory)).force[0]
     apart = np.abs(other - force)
     at_first, at_last = float(np.max(apart[: len(apart) // 10 + 1])), float(apart[-1])
-    return at_first > NOWHERE * float(np.max(np.abs(force))) and at_last > REMEMBERED * at_first
+    return at_first > NOWHERE * float(np.max(np.abs(force))) and at_last > REMEMBERED_SHARE * at_first

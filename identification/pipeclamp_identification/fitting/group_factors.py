@@ -19,7 +19,7 @@ from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
 
-STEPS = np.concatenate([[0.0], np.geomspace(1e-3, 1e5, 161)])
+VARIANCE_RATIOS = np.concatenate([[0.0], np.geomspace(1e-3, 1e5, 161)])
 """Ratios of variances, between groups over between runs, among which the likeliest is taken."""
 
 
@@ -60,9 +60,11 @@ def mixed(quantity: Array, fixed: Array, member: Array) -> Mixed:
     along = (left.T @ rest) ** 2
     beyond = float(rest @ rest - along.sum())
     free = len(quantity) - fixed.shape[1]
-    weight = 1 + STEPS[:, None] * sizes
+    weight = 1 + VARIANCE_RATIOS[:, None] * sizes
     squares = np.sum(along / weight, axis=1) + beyond
-    ratio = float(STEPS[np.argmin(free * np.log(np.maximum(squares, 1e-300)) + np.sum(np.log(weight), axis=1))])
+    ratio = float(
+        VARIANCE_RATIOS[np.argmin(free * np.log(np.maximum(squares, 1e-300)) + np.sum(np.log(weight), axis=1))]
+    )
     scatter = float(np.sqrt(max(np.sum(along / (1 + ratio * sizes)) + beyond, 0.0) / free))
     normal = own.T @ own + np.eye(member.shape[1]) / max(ratio, 1e-12)
     inverse = np.linalg.inv(normal)

@@ -22,10 +22,10 @@ from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.signals import signal_of
 from pipeclamp_models.realise.force import LawForce
 
-Quantity = Literal["stiffness", "damping", "mean_force"]
-QUANTITIES: tuple[Quantity, ...] = ("stiffness", "damping", "mean_force")
+GroupQuantity = Literal["stiffness", "damping", "mean_force"]
+QUANTITIES: tuple[GroupQuantity, ...] = ("stiffness", "damping", "mean_force")
 
-BY_CHANCE = 1e-3
+CHANCE_SHARE = 1e-3
 """Groups that differ so much by chance, over all columns and quantities, less often than this do differ."""
 MATERIAL_SHARE = 5e-4
 """Groups whose factors spread by less than this share (of the force, for mean forces) don't matter: few load cells are
@@ -76,14 +76,14 @@ class Groups:
     counts: tuple[int, ...]
     own: tuple[str, ...]
     contrasts: Array
-    differ: tuple[Quantity, ...]
-    chances: Mapping[Quantity, float]
-    shares: Mapping[Quantity, Mixed]
+    differ: tuple[GroupQuantity, ...]
+    chances: Mapping[GroupQuantity, float]
+    shares: Mapping[GroupQuantity, Mixed]
     confounded: tuple[str, ...]
     explained_by: tuple[str, ...]
     strangers: tuple[Stranger, ...]
 
-    def factors(self, quantity: Quantity) -> tuple[Array, Array]:
+    def factors(self, quantity: GroupQuantity) -> tuple[Array, Array]:
         """Give each group's factor (or mean force in N) and its standard error; 1 (or 0 N) where they don't differ."""
         neutral = 0.0 if quantity == "mean_force" else 1.0
         if quantity not in self.shares:
@@ -101,7 +101,7 @@ class _Runs:
 
     names: tuple[str, ...]
     rows: IntArray
-    quantities: Mapping[Quantity, Array]
+    quantities: Mapping[GroupQuantity, Array]
     labels: Mapping[str, Sequence[str]]
     size: float
 
@@ -164,7 +164,7 @@ def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservat
     )
 
 
-def _changes(observations: LoopObservations) -> dict[Quantity, Array]:
+def _changes(observations: LoopObservations) -> dict[GroupQuantity, Array]:
     """Give what a share more of stiffness, of damping, and a newton of mean force do to the harmonics, shape (R, m)."""
     changes = {quantity: np.zeros_like(observations.harmonics) for quantity in QUANTITIES}
     harmonics = np.where(observations.seen, observations.harmonics, 0.0)
@@ -271,7 +271,7 @@ def _groups_of(
         fixed = conditions.basis(lines)
     if conditions.count - fixed.shape[1] - _rank(member, fixed) < FEWEST_FREE:
         return None
-    limit = BY_CHANCE / (tried * len(QUANTITIES))
+    limit = CHANCE_SHARE / (tried * len(QUANTITIES))
     known = {quantity: values for quantity, values in runs.quantities.items() if _tells(values, fixed, labels, names)}
     labels, strangers = _at_home(labels, names, known, fixed, runs.names, limit)
     member = _member(labels, names)
@@ -359,7 +359,7 @@ def _chance(quantity: Array, fixed: Array, member: Array) -> float:
 
 
 def _at_home(
-    labels: list[str], names: Sequence[str], known: Mapping[Quantity, Array], fixed: Array, runs: Sequence[str],
+    labels: list[str], names: Sequence[str], known: Mapping[GroupQuantity, Array], fixed: Array, runs: Sequence[str],
     limit: float,
 ) -> tuple[list[str], tuple[Stranger, ...]]:  # fmt: skip
     """Move runs that behave like another group there, the strangest first, as long as there are few."""
@@ -378,7 +378,7 @@ def _at_home(
 
 
 def strangest_run(
-    labels: Sequence[str], names: Sequence[str], known: Mapping[Quantity, Array], fixed: Array, limit: float
+    labels: Sequence[str], names: Sequence[str], known: Mapping[GroupQuantity, Array], fixed: Array, limit: float
 ) -> tuple[int, str] | None:
     """Give the run that is farthest off its own group and at home in another, and that group; None where none is."""
     member = _member(labels, names)

@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from pipeclamp_identification.fitting.groups import Groups, Quantity
+from pipeclamp_identification.fitting.groups import GroupQuantity, Groups
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import GroupEntry
@@ -83,7 +83,7 @@ def groups_answer(found: Sequence[Groups]) -> tuple[GroupsAnswer, ...]:
 
 
 def _group(one: Groups, place: int) -> GroupAnswer:
-    def estimate(quantity: Quantity) -> EstimateAnswer | None:
+    def estimate(quantity: GroupQuantity) -> EstimateAnswer | None:
         if quantity not in one.differ:
             return None
         values, errors = one.factors(quantity)

@@ -14,12 +14,13 @@ from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.group_factors import PooledObservations
 from pipeclamp_identification.fitting.groups import factors_of, find_groups, has_groups
 from pipeclamp_identification.fitting.groups_answer import groups_answer
-from pipeclamp_identification.fitting.least_squares import HELD, TOLERANCE, WISHED, Fit, fit, unfitted
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, HELD, WISHED, Fit, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
 from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_identification.loops.loops import PRELOADED, Loops, loops_of, per_cycle
+from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown
@@ -37,7 +38,6 @@ from pipeclamp_models.law.file import (
     HistoryStep,
     Interval,
     LawFile,
-    LeftOutRun,
     Prior,
     RunQuality,
 )
@@ -129,7 +129,7 @@ def fit_structure(
     *,
     start: Mapping[str, float] | None = None,
     method: Method = "joint",
-    tolerance: float = TOLERANCE,
+    tolerance: float = FIT_TOLERANCE,
     progress: Progress | None = None,
 ) -> Fit:
     """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
@@ -273,7 +273,7 @@ def data_source(
         name=name,
         fingerprint=fingerprint,
         runs_used=runs_used,
-        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in left_out),
+        left_out=left_out_runs(left_out),
         time_measured=None if time_measured else False,
     )
 

@@ -23,7 +23,7 @@ from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_identification.fitting.starts import (
-    SINGULAR,
+    SINGULAR_SHARE,
     Linearised,
     Values,
     combined,
@@ -46,13 +46,13 @@ from pipeclamp_models.realise.motion import refuse_unknown_conditions
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
 
-TOLERANCE = 1e-10
+FIT_TOLERANCE = 1e-10
 HELD = "held by the law's structure"
 WISHED = "held by wish"
 MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
-ALIKE = 1e-3
+ALIKE_SHARE = 1e-3
 """Parameters whose shares of an undetermined direction differ by less are alike in it."""
 EQUALLY_GOOD = 1e-9
 """Starts whose costs differ by less than this share end in one valley: the last of them is taken, whatever rounding
@@ -209,7 +209,7 @@ def fit(
     observations: Observations,
     *,
     start: Mapping[str, float] | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = FIT_TOLERANCE,
     progress: Progress | None = None,
 ) -> Fit:
     """Fit all parameters of a law jointly.
@@ -468,10 +468,10 @@ def _finish(
         evaluator = _Evaluator(law, values, free)
         jacobian = evaluator.jacobian(values[free])
         norms = np.linalg.norm(jacobian, axis=0)
-        norms[norms < SINGULAR * roots[free]] = 0.0
+        norms[norms < SINGULAR_SHARE * roots[free]] = 0.0
         scaled = jacobian / np.where(norms > 0, norms, 1.0)
         _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
-        if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR * singular[0]):
+        if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR_SHARE * singular[0]):
             break
         weak = int(np.argmin(norms)) if np.any(norms == 0) else _last_of_largest(np.abs(directions[-1]))
         frozen[equations.names[free[weak]]] = "the data doesn't determine it"
@@ -495,4 +495,4 @@ def _finish(
 
 def _last_of_largest(shares: Array) -> int:
     """Give the last of the largest entries: rounding mustn't choose between parameters that only show together."""
-    return int(np.flatnonzero(shares > (1 - ALIKE) * shares.max())[-1])
+    return int(np.flatnonzero(shares > (1 - ALIKE_SHARE) * shares.max())[-1])

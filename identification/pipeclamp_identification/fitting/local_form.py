@@ -13,15 +13,15 @@ from pipeclamp_models.law.file import KrigedShare, LocalForm
 from pipeclamp_models.law.local_form import coordinate, likeness, squares
 from pipeclamp_models.law.range import rounded
 
-FEWEST = 8
+FEWEST_RUNS = 8
 """Runs, to see how far one tells of another."""
-MOST = 400
+MOST_RUNS = 400
 """Runs beyond which that takes too long."""
-NEAR, FAR = 0.6, 1.7
+NEAR_LENGTH, FAR_LENGTH = 0.6, 1.7
 """Lengths, in standard deviations of the tested conditions, from which the likeliest ones are sought."""
-FEW = 80
+RUNS_SEEN_ROUGHLY = 80
 """Runs that show roughly how far one tells of another: where there are more, these lead near."""
-FARTHEST = 4.0
+FARTHEST_LOG = 4.0
 """Of the logarithms of lengths and deviation, from where they are likely beforehand."""
 GOLDEN = (5**0.5 - 1) / 2
 """Its multiples less their whole parts are spread evenly, however many there are."""
@@ -45,12 +45,12 @@ def local_form(loops: Loops, shares: Array, variances: Array, whole: Array) -> L
         for name, values in {**known, **further}.items()
         if np.all(np.isfinite(values)) and varies(name, values)
     }
-    if not FEWEST <= len(loops.run) <= MOST or not at:
+    if not FEWEST_RUNS <= len(loops.run) <= MOST_RUNS or not at:
         return None
     tested = np.column_stack([coordinate(name, values) for name, values in at.items()])
     spread = tested.std(axis=0)
     stiffness, damping = (
-        _kriged(list(at), likeliest(tested / spread, *of_both), spread)
+        _kriged(list(at), likeliest_form(tested / spread, *of_both), spread)
         for of_both in zip(shares, variances, whole.tolist(), strict=True)
     )
     return LocalForm(
@@ -74,7 +74,7 @@ def _kriged(names: Sequence[str], found: _Found, spread: Array) -> KrigedShare:
     )
 
 
-def likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
+def likeliest_form(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
     """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand.
 
     Args:
@@ -90,18 +90,18 @@ def likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _
     if whole == 0.0:
         return 0.0, np.ones(count), shares, variances
     expected = np.append(np.zeros(count), np.log(whole))
-    bounds = [(at - FARTHEST, at + FARTHEST) for at in expected]
+    bounds = [(at - FARTHEST_LOG, at + FARTHEST_LOG) for at in expected]
 
     def likeliest_from(starts: Sequence[Array], runs: IntArray) -> Array:
         known = squares(tested[runs], tested[runs]), shares[runs], variances[runs], expected
         tried = [minimize(unlikeliness, start, known, method="L-BFGS-B", jac=True, bounds=bounds) for start in starts]
         return np.asarray(min(tried, key=lambda one: float(one.fun)).x)
 
-    starts = [np.append(np.full(count, np.log(length)), np.log(whole)) for length in (NEAR, FAR)]
+    starts = [np.append(np.full(count, np.log(length)), np.log(whole)) for length in (NEAR_LENGTH, FAR_LENGTH)]
     every = np.arange(len(tested))
-    if len(every) > FEW:
+    if len(every) > RUNS_SEEN_ROUGHLY:
         # spread over the tests without their plan's rhythm
-        some = np.argsort(every * GOLDEN % 1.0)[:FEW]
+        some = np.argsort(every * GOLDEN % 1.0)[:RUNS_SEEN_ROUGHLY]
         starts = [likeliest_from(starts, some)]
     best = likeliest_from(starts, every)
     deviation = float(np.exp(best[-1]))

@@ -23,9 +23,9 @@ from pipeclamp_models.realise.sizes import data_sizes
 
 FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
-SAMPLES = 512
+SAMPLES_PER_CYCLE = 512
 """Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
-FEWEST_SAMPLES = 64
+FEWEST_SAMPLES_PER_CYCLE = 64
 """Points at least, so that they show the harmonics."""
 GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
@@ -58,7 +58,7 @@ class Observations(Protocol):
         """Give how many of the residuals are evidence; the others are zero, whatever the law."""
 
 
-def harmonics_of(samples: Array, count: int) -> Array:
+def real_harmonics_of(samples: Array, count: int) -> Array:
     """Give harmonics 0..count of periodic rows as real numbers: mean, then real and imaginary parts.
 
     Args:
@@ -79,7 +79,7 @@ def harmonics_of(samples: Array, count: int) -> Array:
 
 def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Array:
     """Give the derivatives of a force's harmonics 0..count by some of the law's parameters, shape (P, R, m)."""
-    return known_jacobian(law_force).through(lambda forces: harmonics_of(forces, count), parameters)
+    return known_jacobian(law_force).through(lambda forces: real_harmonics_of(forces, count), parameters)
 
 
 def _transforms(loops: Loops, samples: int) -> Array | None:
@@ -88,7 +88,7 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
     if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1
-    plain = harmonics_of(np.eye(samples), count)
+    plain = real_harmonics_of(np.eye(samples), count)
     own = np.tile(plain, (len(loops.run), 1, 1))
 
     def fill(row: int) -> None:
@@ -113,7 +113,7 @@ class LoopObservations:
 
     Attributes:
         motion: the measured motions, R rows.
-        harmonics: measured force in N as `harmonics_of` gives it, shape (R, 2 H + 1).
+        harmonics: measured force in N as `real_harmonics_of` gives it, shape (R, 2 H + 1).
         standard_error: of each of them, same shape; infinite where there is none.
         force_amplitude: N, shape (R,).
         transforms: how each record's sampling turns force into harmonics, shape (R, n, 2 H + 1); None where it is
@@ -134,7 +134,7 @@ class LoopObservations:
     def transformed(self, force: Array) -> Array:
         """Give the harmonics of force on the motion's grid, shape (..., R, n), as the records would show them."""
         if self.transforms is None:
-            return harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
+            return real_harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
         by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
         with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, which a fit refuses
             found = by_run @ self.transforms
@@ -212,7 +212,7 @@ class LoopObservations:
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
 
 
-def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
+def loop_motion(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> Motion:
     """Give the measured motions of loops over one cycle, for laws to be evaluated on.
 
     Further conditions are named as in the campaign.
@@ -262,7 +262,7 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
     return temperature
 
 
-def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
+def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObservations:
     """Give the harmonics of loops as observations, in units of their scatter; laws are evaluated at so many points."""
     harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
     harmonics[:, 0] = loops.force[:, 0].real
@@ -270,21 +270,21 @@ def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
     harmonics[:, 2::2] = loops.force[:, 1:].imag
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
-    amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
+    amplitude = np.ptp(on_grid(loops.force, SAMPLES_PER_CYCLE), axis=1) / 2
     return LoopObservations(loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples))
 
 
 def points_enough(loops: Loops) -> int:
-    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES` at most."""
-    points = 2 * FEWEST_SAMPLES
-    while points < SAMPLES and not GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse:
+    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES_PER_CYCLE` at most."""
+    points = 2 * FEWEST_SAMPLES_PER_CYCLE
+    while points < SAMPLES_PER_CYCLE and not GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse:
         points *= 2
     return points
 
 
 def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
     """Give loops at a quarter of the points, for fits that only lead near."""
-    return loop_observations(loops, max(FEWEST_SAMPLES, observations.motion.y.shape[1] // 4))
+    return loop_observations(loops, max(FEWEST_SAMPLES_PER_CYCLE, observations.motion.y.shape[1] // 4))
 
 
 def data_scales(observations: Observations) -> Sizes:

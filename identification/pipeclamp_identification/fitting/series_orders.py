@@ -12,7 +12,7 @@ from pipeclamp_models.effects.damping_series import HIGHEST_ORDER as HIGHEST_DAM
 from pipeclamp_models.effects.elastic_series import HIGHEST_ORDER as HIGHEST_ELASTIC
 from pipeclamp_models.law.law import Structure
 
-WORTH = 0.98
+WORTH_SHARE = 0.98
 """A higher order stays when it brings the error on left-out conditions below this share of the one before."""
 
 
@@ -44,7 +44,7 @@ def choose_series(loops: Loops, observations: LoopObservations, structure: Struc
                 if trial[place] > highest:
                     continue
                 error = error_of(trial)
-                if error < WORTH * best:
+                if error < WORTH_SHARE * best:
                     orders, best, raised = trial, error, True
                     break
     return of(orders)

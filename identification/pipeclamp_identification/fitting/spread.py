@@ -25,9 +25,9 @@ from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.file import Foretold, Shares, Spread
 from pipeclamp_models.law.range import rounded
 
-FEWEST_LEVELS = 3
+FEWEST_LEVELS_FORETOLD = 3
 """Of a condition, that its law can be foretold from at its ends."""
-DETERMINED = 1e-10
+DETERMINED_SHARE = 1e-10
 """Directions of the parameters of which the other runs know less than this share are left to the run itself."""
 
 
@@ -94,7 +94,7 @@ class _LeftOut:
             slopes = self._slopes[:, own].reshape(len(self._slopes), -1)
             of_others = self._information - slopes @ slopes.T
             pulled = slopes @ (self.residual * self._weight)[own].ravel()
-            moved = np.linalg.pinv(of_others, rcond=DETERMINED, hermitian=True) @ pulled
+            moved = np.linalg.pinv(of_others, rcond=DETERMINED_SHARE, hermitian=True) @ pulled
             change = (moved @ slopes).reshape(len(own), -1)
             weight = self._weight[own]
             residual[own] += np.divide(change, weight, out=np.zeros_like(change), where=weight > 0)
@@ -143,7 +143,7 @@ def _ends_of(loops: Loops) -> Iterator[tuple[str, tuple[IntArray, float]]]:
         near = np.exp(values) if name in main else values
         absolute = {"absolute": SAME_KELVIN} if name == "T" else {"relative": SAME_SHARE}
         levels: list[IntArray] = [level.rows for level in number_levels(near, **absolute)]
-        if len(levels) < FEWEST_LEVELS:
+        if len(levels) < FEWEST_LEVELS_FORETOLD:
             continue
         middles = [float(np.mean(values[rows])) for rows in levels]
         number = np.full(len(values), -1, dtype=np.intp)

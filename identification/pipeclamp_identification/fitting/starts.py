@@ -15,7 +15,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.law.outline import Sizes, number_in
 
-SINGULAR = 1e-7
+SINGULAR_SHARE = 1e-7
 """Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
 SMALLEST_SIZE = 1e-3
 """Of a start's force; where the data ask for less, or for the opposite, its shape is none of theirs."""
@@ -55,7 +55,7 @@ class Linearised:
             norms = np.linalg.norm(self.jacobian, axis=0)
             norms[norms == 0] = 1.0
             basis = self.jacobian / norms
-            inverse = np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True)
+            inverse = np.linalg.pinv(basis.T @ basis, rcond=SINGULAR_SHARE, hermitian=True)
             return np.asarray(-(inverse @ (basis.T @ self.residual)) / norms)
 
 

@@ -18,7 +18,7 @@ from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.law.outline import ParameterOutline
 
-GRID = 128
+POINTS_PER_AXIS = 128
 NEAR_REVERSAL = 0.2
 """Below this share of its peak, velocity says little of the exponent: noise and memory rule there."""
 SURFACE_PARAMETERS = {"k1": "k10", "k3": "k30", "c": "c0", "alpha": "alpha0"}
@@ -48,17 +48,17 @@ def loop_coefficients(loops: Loops, alpha: float | None = None) -> LoopCoefficie
     """
     from scipy.special import gamma
 
-    y = on_grid(loops.displacement, GRID)
-    elastic = on_grid(loops.force.real.astype(np.complex128), GRID)
+    y = on_grid(loops.displacement, POINTS_PER_AXIS)
+    elastic = on_grid(loops.force.real.astype(np.complex128), POINTS_PER_AXIS)
     elastic -= loops.force[:, :1].real
     basis = np.stack([y, y**3], axis=2)
     transposed = np.swapaxes(basis, 1, 2)
     solution = np.linalg.solve(transposed @ basis, transposed @ elastic[:, :, None])
     peak = 2 * np.pi * loops.frequency_Hz * loops.amplitude_mm
-    theta = 2 * np.pi * np.arange(GRID) / GRID
+    theta = 2 * np.pi * np.arange(POINTS_PER_AXIS) / POINTS_PER_AXIS
     # Odd harmonics only: even ones are asymmetry, which a power of |v| doesn't have.
     odd = np.arange(loops.force.shape[1]) % 2
-    damping = on_grid((1j * loops.force.imag * odd).astype(np.complex128), GRID)
+    damping = on_grid((1j * loops.force.imag * odd).astype(np.complex128), POINTS_PER_AXIS)
     push = -damping * np.sign(np.sin(theta))
     moving = np.abs(np.sin(theta)) > NEAR_REVERSAL
     if alpha is None:

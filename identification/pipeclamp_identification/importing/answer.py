@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import Field
 
 from pipeclamp_identification.campaign.description import Imported, LeftOutFile
-from pipeclamp_identification.campaign.judging import Judged
+from pipeclamp_identification.campaign.judging import JudgedRuns
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.importing.looked_at import LookedAt
 from pipeclamp_identification.importing.plan import Plan
@@ -72,7 +72,7 @@ class Found:
     name: str
     plan: Plan
     rows: tuple[RunRow, ...]
-    judged: Judged
+    judged: JudgedRuns
     looked: LookedAt
     imported: Imported
     written: bool

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, ImportedDelay
-from pipeclamp_identification.campaign.judging import Judged
+from pipeclamp_identification.campaign.judging import JudgedRuns
 from pipeclamp_identification.campaign.reading import read_run
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.runs_table import RunRow
@@ -45,7 +45,7 @@ class LookedAt:
     smoothing: Smoothing
 
 
-def looked_at(folder: Path, description: CampaignDescription, rows: Sequence[RunRow], judged: Judged) -> LookedAt:
+def looked_at(folder: Path, description: CampaignDescription, rows: Sequence[RunRow], judged: JudgedRuns) -> LookedAt:
     """Read the records of some runs once more, one at a time.
 
     Args:

@@ -11,6 +11,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.campaign.drive import Kinematics
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.loops.loop import Loop, loop_of
 from pipeclamp_identification.loops.scatter import DRIFT_AMONG_DRIFTS_BY_CHANCE, DRIFT_BY_CHANCE, drift_alike
@@ -18,7 +19,7 @@ from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.threads import in_threads
 
-HARMONICS = 20
+HIGHEST_HARMONIC = 20
 """H, the highest harmonic that is kept."""
 PRELOADED = 0.8
 """Share of the squared force that mean forces hold, above which most of it is a constant load: their rms is twice
@@ -119,7 +120,7 @@ def loops_of(campaign: Campaign) -> Loops:
 
     def rows(drift_by_chance: float) -> list[Loop]:
         def row(run: Run) -> Loop:
-            return loop_of(run, campaign.condition_columns, HARMONICS, average, drift_by_chance)
+            return loop_of(run, campaign.condition_columns, HIGHEST_HARMONIC, average, drift_by_chance)
 
         return in_threads(row, campaign.runs, size)
 
@@ -160,7 +161,7 @@ def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:
     return np.asarray(terms.real @ phasors.real - terms.imag @ phasors.imag)
 
 
-def displacement_on_grid(loops: Loops, count: int) -> tuple[Array, Array, Array]:
+def displacement_on_grid(loops: Loops, count: int) -> Kinematics:
     """Return displacement, velocity and acceleration over one cycle.
 
     Args:
@@ -172,4 +173,4 @@ def displacement_on_grid(loops: Loops, count: int) -> tuple[Array, Array, Array]
     """
     speed = 2 * np.pi * loops.frequency_Hz[:, None]
     y, slope, curvature = (on_grid(loops.displacement, count, derivative) for derivative in range(3))
-    return y, speed * slope, speed**2 * curvature
+    return Kinematics(y, speed * slope, speed**2 * curvature)

@@ -10,7 +10,7 @@ from pipeclamp_identification.loops.loops import Loops, on_grid, per_cycle
 from pipeclamp_models.base.arrays import Array
 
 # points of the cycle among which the force's extremes are sought: 20 harmonics change little between two of them
-POINTS = 512
+SAMPLES_PER_CYCLE = 512
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def metrics_of(loops: Loops) -> Metrics:
     order = np.arange(loops.force.shape[1])
     # N mm is mJ
     dissipated = np.pi * np.sum(order * (loops.force * loops.displacement.conj()).imag, axis=1) / 1e3
-    force = on_grid(loops.force, POINTS)
+    force = on_grid(loops.force, SAMPLES_PER_CYCLE)
     highest, lowest = np.max(force, axis=1), np.min(force, axis=1)
     elastic = (highest - lowest) / 2 * loops.amplitude_mm / 2 / 1e3
     return Metrics(

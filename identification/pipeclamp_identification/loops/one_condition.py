@@ -14,7 +14,7 @@ from pipeclamp_identification.loops.published_rows import KELVINS, PublishedRow,
 from pipeclamp_models.base.arrays import Array
 
 # settings of a test plan that are meant to be the same lie this close together, those that aren't lie further apart
-SAME = 0.03
+SAME_SETTING_SHARE = 0.03
 
 SPECIMEN = "specimen"
 
@@ -140,7 +140,7 @@ def _together(values: Array, absolute: float) -> Array:
     rising = np.unique(values[np.isfinite(values)])
     if len(rising) == 0:
         return values
-    apart = np.diff(rising) > np.maximum(SAME * np.abs(rising[1:]), absolute)
+    apart = np.diff(rising) > np.maximum(SAME_SETTING_SHARE * np.abs(rising[1:]), absolute)
     level = np.concatenate([[0], np.cumsum(apart)])
     places = np.searchsorted(rising, values[np.isfinite(values)])
     result = values.copy()

@@ -17,7 +17,7 @@ NOISE_FREEDOMS = 4.0
 cycles that agree by chance from weighing far too much."""
 JUMP_STANDARD_DEVIATIONS = 6.0
 """Deviations beyond this many robust standard deviations are jumps of the loop itself."""
-FEWEST_CYCLES = 3
+FEWEST_CYCLES_THAT_SCATTER = 3
 """Two show no scatter beside a line through them."""
 PHASE_BINS = 24
 """Parts of the cycle, of equal phase, over which the scatter is told."""
@@ -53,7 +53,7 @@ def drift_alike(force_per_cycle: Sequence[ComplexArray]) -> bool:
     Args:
         force_per_cycle: harmonics of the force of each run, (cycles, H + 1).
     """
-    able = [per_cycle[:, :2] for per_cycle in force_per_cycle if len(per_cycle) >= FEWEST_CYCLES]
+    able = [per_cycle[:, :2] for per_cycle in force_per_cycle if len(per_cycle) >= FEWEST_CYCLES_THAT_SCATTER]
     steady = sum(_chance_of_steady_change(each)[1] < DRIFT_AMONG_DRIFTS_BY_CHANCE for each in able)
     chance = [
         math.comb(len(able), count) * DRIFT_AMONG_DRIFTS_BY_CHANCE**count
@@ -70,7 +70,7 @@ def _chance_of_steady_change(per_cycle: ComplexArray) -> Array:
     and 2 (cycles - 2) for the rest, the F distribution's tail is a power.
     """
     cycles = len(per_cycle)
-    if cycles < FEWEST_CYCLES:
+    if cycles < FEWEST_CYCLES_THAT_SCATTER:
         return np.ones(per_cycle.shape[1])
     along = np.arange(cycles) - (cycles - 1) / 2
     deviation = per_cycle - np.mean(per_cycle, axis=0)

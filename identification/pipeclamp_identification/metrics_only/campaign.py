@@ -20,17 +20,17 @@ from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.realise.motion import sinusoids
 
-SCATTER = 0.01
+SCATTER_BEFOREHAND = 0.01
 """Share by which metrics scatter from run to run before any data says so: a good rig's fraction of a percent, and what
 reading a loop's extremes adds."""
-SAMPLES = 256
+SAMPLES_PER_CYCLE = 256
 """Points of the cycle at which laws are evaluated: an extreme between two of them is higher by less than 0.01 %."""
 MOST_DISSIPATED = 8.0
 """dW over W of the fullest loop that there is, a rectangle: 2 X0 by Fmax - Fmin, and W is a quarter of Fmax - Fmin by
 X0."""
 OF_A_PHASE = ("storage_stiffness_N_mm", "loss_stiffness_N_mm")
 """Stiffness in phase with the displacement and with the velocity: of a sine, k = |k' + i k''|, dW = pi k'' X0^2."""
-ALIKE = 0.01
+AGREEING_SHARE = 0.01
 """A third metric that is stated beside two others must agree with them to this share, rounding aside."""
 
 
@@ -168,7 +168,7 @@ def _run(path: Path, row: RunRow) -> MetricRun:
     for column, value in expected.items():
         if column in stated:
             got, rounding = stated[column]
-            if abs(got / value - 1) > ALIKE + 4 * math.hypot(rounding, dissipated[1], elastic[1]):
+            if abs(got / value - 1) > AGREEING_SHARE + 4 * math.hypot(rounding, dissipated[1], elastic[1]):
                 raise UserError(
                     f"{path}, row {row.row}, column {column!r}: got {got:g}, but the row's energies make it "
                     f"{value:.4g}; expected eta = dW/(2 pi W) and k = 2 W/X0^2 with X0 the amplitude; check the units"
@@ -201,7 +201,7 @@ def _of_a_sine(
 def _impossible(run: MetricRun) -> str:
     """Say that no loop has such energies; empty where one has."""
     ratio = run.dissipated_energy_J / run.max_elastic_energy_J
-    if ratio <= MOST_DISSIPATED * (1 + ALIKE + 4 * math.hypot(*run.rounding)):
+    if ratio <= MOST_DISSIPATED * (1 + AGREEING_SHARE + 4 * math.hypot(*run.rounding)):
         return ""
     return (
         f"its dW is {ratio:.3g} times its W, and no loop encloses more than {MOST_DISSIPATED:g} times: W is of the "
@@ -214,7 +214,7 @@ def _same(one: MetricRun, other: MetricRun) -> bool:
     return replace(one, name=other.name) == other
 
 
-def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES) -> MetricObservations:
+def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES_PER_CYCLE) -> MetricObservations:
     """Give a campaign's metrics as observations.
 
     Args:
@@ -244,6 +244,6 @@ def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES) -> Met
         replace(motion, slow=slow, assumed=assumed_signals(T)),
         np.array([run.dissipated_energy_J for run in runs]),
         np.array([run.max_elastic_energy_J for run in runs]),
-        np.hypot(SCATTER, rounding),
+        np.hypot(SCATTER_BEFOREHAND, rounding),
         rounding,
     )

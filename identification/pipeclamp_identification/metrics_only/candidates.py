@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from pipeclamp_identification.diagnosis.screen import candidate_names
-from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign
 from pipeclamp_identification.metrics_only.evidence import (
     EXPECTED_FREEDOMS,
     MetricJudged,
@@ -20,7 +20,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     judged_fit,
 )
 from pipeclamp_identification.metrics_only.observations import MetricObservations
-from pipeclamp_identification.metrics_only.pairs import pairs
+from pipeclamp_identification.metrics_only.pairs import metric_pairs
 from pipeclamp_identification.metrics_only.screen import Look, look
 from pipeclamp_identification.metrics_only.thresholds import FEWEST_FREEDOMS, REAL_CHANCE
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
@@ -33,7 +33,7 @@ from pipeclamp_models.law.law import Structure, with_effect
 ON_THE_WAY = 4
 """Of the effects that promise most, so many that don't imitate each other are fitted for each further step to the
 richest law."""
-LONGEST = 3
+MOST_ADDED = 3
 """Effects that are added on the way to the richest law, at most."""
 
 
@@ -86,7 +86,7 @@ def candidates_of(
     thoroughly = lacks(law)
     alone = [_with(law, one, observations, tell, thoroughly=thoroughly) for one in looks if not one.hidden]
     best = min((judged for judged in alone if judged.may_be_cause), key=by_score, default=law)
-    together = pairs(law, alone, campaign, observations, tell) if lacks(best) else []
+    together = metric_pairs(law, alone, campaign, observations, tell) if lacks(best) else []
     law = _from_another_valley(law, [*alone, *together], observations) if thoroughly else law
     richest = _richest(law, alone, together, names, observations, lacks, tell)
     return Candidates(law, tuple(looks), tuple(alone), tuple(together), richest)
@@ -108,7 +108,7 @@ def unlike(effects: Iterable[Effect]) -> list[str]:
 
 def _lacks(judged: MetricJudged, observations: MetricObservations, smooth: Array) -> bool:
     """Tell whether a law leaves more than the scatter that was expected."""
-    return chance_of_lack(judged, observations, smooth, SCATTER) < REAL_CHANCE
+    return chance_of_lack(judged, observations, smooth, SCATTER_BEFOREHAND) < REAL_CHANCE
 
 
 def _from_another_valley(
@@ -154,9 +154,9 @@ def _richest(
     Where what may be the cause leaves more than scatter, also what may take a part only. Two that come together are
     added where they take half, or more, of what the best one alone would leave.
     """
-    expected = Scatter(np.full(2, SCATTER), np.full(2, EXPECTED_FREEDOMS))
+    expected = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
     richest = law
-    while len(richest.effects) < LONGEST:
+    while len(richest.effects) < MOST_ADDED:
         supported = partial(_supported, richest=richest, expected=expected)
         usable = list(filter(supported, fitted))
         sound = [judged for judged in usable if judged.may_be_cause]

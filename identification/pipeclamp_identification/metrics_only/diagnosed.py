@@ -13,12 +13,12 @@ from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
-from pipeclamp_identification.metrics_only.weighing import Weighed
+from pipeclamp_identification.metrics_only.weighing import MetricWeighed
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import Kind, LawFile, Verdict, structure_of
+from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, structure_of
 
-HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
+HEADLINES: dict[tuple[Verdict, NamedKind | None], str] = {
     ("complete", None): "Complete, as far as dW and W can show: what is left is scatter.",
     ("missing", "cause"): "Missing: {}.",
     ("missing", "part"): "Part of what is missing: {}.",
@@ -60,7 +60,7 @@ class MetricDiagnosed:
         return self.diagnosis.effects
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         kind = self.diagnosis.kind
         return "part" if kind and self.beside_a_part else kind
@@ -94,7 +94,7 @@ class MetricDiagnosed:
 
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
-        diagnosis = replace(self.diagnosis, found=Weighed("unknown", (), (reason,)))
+        diagnosis = replace(self.diagnosis, found=MetricWeighed("unknown", (), (reason,)))
         return replace(self, diagnosis=diagnosis, proposal=None, no_test="")
 
     def headline(self) -> str:

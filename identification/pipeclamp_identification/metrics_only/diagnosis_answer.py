@@ -15,7 +15,7 @@ from pipeclamp_identification.metrics_only.law import rms
 from pipeclamp_identification.metrics_only.next_test import MetricProposal
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
-from pipeclamp_models.law.file import Kind, Verdict
+from pipeclamp_models.law.file import NamedKind, Verdict
 
 
 class MetricCandidateAnswer(AnswerModel):
@@ -58,7 +58,7 @@ class MetricDiagnosisAnswer(AnswerModel):
 
     verdict: Verdict
     effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
-    kind: Kind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
+    kind: NamedKind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
     explained: float | None = Field(
         description="share of what the richest law explains that what is named first takes; where that law leaves more "
         "than scatter, of the mean square on left-out conditions"

@@ -15,7 +15,7 @@ from scipy import stats
 from pipeclamp_identification.diagnosis.problem import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
 from pipeclamp_identification.fitting.least_squares import Fit, fit
-from pipeclamp_identification.fitting.starts import SINGULAR
+from pipeclamp_identification.fitting.starts import SINGULAR_SHARE
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
@@ -133,7 +133,7 @@ def judged_fit(effects: tuple[str, ...], result: Fit, observations: MetricObserv
     )
 
 
-def scatter_of(judged: MetricJudged, observations: MetricObservations, expected: float) -> Scatter:
+def metric_scatter_of(judged: MetricJudged, observations: MetricObservations, expected: float) -> Scatter:
     """Tell the scatter from what a law leaves, metric by metric, and what was expected before.
 
     Args:
@@ -157,7 +157,7 @@ def _basis(judged: MetricJudged, observations: MetricObservations) -> Array:
 def directions(columns: Array) -> Array:
     """Give an orthonormal basis of what columns span, each counted by its direction, not its size."""
     norms = np.linalg.norm(columns, axis=0)
-    return orthonormal(columns / np.where(norms > 0, norms, 1.0), SINGULAR)
+    return orthonormal(columns / np.where(norms > 0, norms, 1.0), SINGULAR_SHARE)
 
 
 def heldout_error(structure: Structure, observations: MetricObservations, start: Mapping[str, float]) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.fitting.identify import data_source, file_of_fit, refuse_unknown
-from pipeclamp_identification.fitting.least_squares import TOLERANCE, Fit
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, Fit
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_models.base.arrays import Array
@@ -51,7 +51,7 @@ def identify_metrics(
         )
     structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items()))).with_declared(declared)
     refuse_unknown(structure)
-    return fit_to_metrics(structure, metric_observations(campaign), {}, TOLERANCE, progress)
+    return fit_to_metrics(structure, metric_observations(campaign), {}, FIT_TOLERANCE, progress)
 
 
 def metric_law_file(

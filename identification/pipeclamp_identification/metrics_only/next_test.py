@@ -9,9 +9,14 @@ import numpy as np
 
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, drivable, limits_words, reach, stated_levels
-from pipeclamp_identification.diagnosis.further_test.next_test import LEVELS, TEMPERATURES, NoTest, temperature_words
+from pipeclamp_identification.diagnosis.further_test.next_test import (
+    LEVELS_OF_A_AND_F,
+    LEVELS_OF_T,
+    NoTest,
+    temperature_words,
+)
 from pipeclamp_identification.diagnosis.further_test.outlook import LEAST_DEVIATIONS, PROFILES, SINE
-from pipeclamp_identification.metrics_only.campaign import SAMPLES
+from pipeclamp_identification.metrics_only.campaign import SAMPLES_PER_CYCLE
 from pipeclamp_identification.metrics_only.evidence import MetricJudged
 from pipeclamp_identification.metrics_only.observations import MetricObservations, loop_energies, metric_slopes
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
@@ -72,9 +77,12 @@ def next_metric_test(diagnosis: MetricDiagnosis, limits: Limits | None = None) -
     so_far = diagnosis.observations.motion
     within = reach(so_far, limits)
     A, f = drivable(
-        PROFILES[SINE], np.geomspace(*within.amplitude, LEVELS), np.geomspace(*within.frequency, LEVELS), within
+        PROFILES[SINE],
+        np.geomspace(*within.amplitude, LEVELS_OF_A_AND_F),
+        np.geomspace(*within.frequency, LEVELS_OF_A_AND_F),
+        within,
     )
-    T = stated_levels(np.linspace(*within.temperature, TEMPERATURES), *within.temperature)
+    T = stated_levels(np.linspace(*within.temperature, LEVELS_OF_T), *within.temperature)
     grid = np.array([(*pair, temperature) for pair in zip(A, f, strict=True) for temperature in T]).reshape(-1, 3)
     who = " and ".join(names)
     if not len(grid):
@@ -99,7 +107,7 @@ def next_metric_test(diagnosis: MetricDiagnosis, limits: Limits | None = None) -
 
 def _motion(grid: Array, tested: MetricObservations) -> Motion:
     """Give sinusoids at (A mm, f Hz, T degC), shape (R, 3); further conditions as in the middle run."""
-    motion = sinusoids(grid[:, 0], grid[:, 1], grid[:, 2] + CELSIUS, SAMPLES)
+    motion = sinusoids(grid[:, 0], grid[:, 1], grid[:, 2] + CELSIUS, SAMPLES_PER_CYCLE)
     further = {
         name: np.full((len(grid), 1), float(np.median(values)))
         for name, values in tested.motion.slow.items()

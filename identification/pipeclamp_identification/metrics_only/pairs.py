@@ -17,7 +17,7 @@ MOST_FIRST = 2
 """Effects that are tried with each of those that scale them, most promising first: many act alike on metrics."""
 
 
-def pairs(
+def metric_pairs(
     law: MetricJudged,
     fitted: Sequence[MetricJudged],
     campaign: MetricCampaign,

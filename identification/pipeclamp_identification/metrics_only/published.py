@@ -113,7 +113,7 @@ def reading_file(reading: Reading, software: str) -> LawFile:
 
 
 @dataclass(frozen=True)
-class Step:
+class PublishedStep:
     """One step of the way.
 
     Attributes:
@@ -148,12 +148,12 @@ WAY = (
 )
 
 
-def way() -> tuple[Step, ...]:
+def way() -> tuple[PublishedStep, ...]:
     """Go from the printed law to one that fits the tables, effect by effect."""
     observations = emwm2_observations()
     printed = reading_law(READINGS[0])
     steps = [
-        Step(
+        PublishedStep(
             "as printed (reading R1)",
             printed,
             metric_errors(observations, printed),
@@ -164,7 +164,7 @@ def way() -> tuple[Step, ...]:
     for title, structure in WAY:
         result = fit(structure, observations)
         rests_on = _single_conditions(result, observations) if structure.effects else ()
-        steps.append(Step(title, result.law, metric_errors(observations, result.law), rests_on, result))
+        steps.append(PublishedStep(title, result.law, metric_errors(observations, result.law), rests_on, result))
     return tuple(steps)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
-from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.candidates import by_score, candidates_of, unlike
 from pipeclamp_identification.metrics_only.evidence import (
     LeftOutErrors,
@@ -19,7 +19,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     chance,
     chance_of_lack,
     judge_metrics,
-    scatter_of,
+    metric_scatter_of,
     single_rows,
 )
 from pipeclamp_identification.metrics_only.observations import MetricObservations
@@ -29,10 +29,10 @@ from pipeclamp_identification.metrics_only.thresholds import (
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
-from pipeclamp_identification.metrics_only.weighing import MetricScales, Weighed, weigh
+from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import Kind, Verdict
+from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
 COARSE_SAMPLES = 64
@@ -61,7 +61,7 @@ class MetricDiagnosis:
         tested_once: conditions that the named effect follows and of which every level but one has a single run.
     """
 
-    found: Weighed
+    found: MetricWeighed
     scales: MetricScales
     candidates: tuple[MetricJudged, ...]
     pairs: tuple[MetricJudged, ...]
@@ -113,7 +113,7 @@ class MetricDiagnosis:
         return next(iter(self.found.laws), None)
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> NamedKind | None:
         """Whether what is named first explains nearly all that the metrics show missing, or takes a part of it."""
         if self.named is None:
             return None
@@ -163,7 +163,7 @@ def diagnose_metrics(
     coarse = metric_observations(campaign, samples=COARSE_SAMPLES)
     smooth = _smooth(campaign, coarse)
     fitted = candidates_of(structure, campaign, coarse, smooth, tell)
-    scatter = scatter_of(fitted.richest, coarse, SCATTER)
+    scatter = metric_scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
     observations = metric_observations(campaign).with_scatter(scatter.share)
     tell("evidence in units of the scatter")
     again = partial(_again, observations=observations)
@@ -171,7 +171,10 @@ def diagnose_metrics(
     alone, together = (sorted(map(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
     chances = _chances(law, alone, together, fitted.looks, scatter)
     hidden = _hidden(fitted.looks, together, chances)
-    lack = chance_of_lack(law, observations, smooth, SCATTER), chance_of_lack(richest, observations, smooth, SCATTER)
+    lack = (
+        chance_of_lack(law, observations, smooth, SCATTER_BEFOREHAND),
+        chance_of_lack(richest, observations, smooth, SCATTER_BEFOREHAND),
+    )
     heldout = LeftOutErrors(observations, tell)
     scales = MetricScales(law, richest, alone, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)

@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     RIVAL_DRAWS_SHARE,
 )
 from pipeclamp_identification.fitting.resampling import share_of_gains
-from pipeclamp_identification.metrics_only.campaign import SCATTER
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND
 from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, MetricJudged, Scatter
 from pipeclamp_identification.metrics_only.thresholds import (
     FEWEST_FREEDOMS,
@@ -31,12 +31,12 @@ MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or r
 
 NEARLY_ALWAYS_CHANCE = 0.995
 """A chance that is larger would be shown as 100 %."""
-MOST_LEFT_OUT = 4
+MOST_ASKED = 4
 """Likeliest effects, and likeliest pairs, that are asked for left-out conditions, at most."""
 
 
 @dataclass(frozen=True)
-class Weighed:
+class MetricWeighed:
     """What comes of weighing: the verdict, the laws with what is named, best first, and why."""
 
     verdict: Verdict
@@ -89,7 +89,7 @@ class MetricScales:
         return bool(sure and self.on_left_out(judged) >= MATERIAL_PART_SHARE)
 
 
-def weigh(scales: MetricScales) -> Weighed:
+def weigh(scales: MetricScales) -> MetricWeighed:
     """Weigh the candidates."""
     law, told = scales.law, _scatter_words(scales.scatter)
     usable = [each for each in scales.candidates if not each.objections and each.squares < law.squares]
@@ -103,30 +103,34 @@ def weigh(scales: MetricScales) -> Weighed:
     share = scales.of_richest(best)
     if share < GREATER_PART_SHARE:
         patchwork = f"no effect alone explains the greater part of what is missing; the best, {best.name}, {share:.0%}"
-        return Weighed("unknown", (), (patchwork, MORE_TESTS, told))
+        return MetricWeighed("unknown", (), (patchwork, MORE_TESTS, told))
     named = _with_rivals(best, [*both, *sound])
     if len(named) > 1:
-        return Weighed("ambiguous", named, (f"dW and W at these conditions can't tell {_from(named)}", told))
+        return MetricWeighed("ambiguous", named, (f"dW and W at these conditions can't tell {_from(named)}", told))
     gain = f"{_both(best)} explains {share:.0%} of what the metrics show missing"
-    return Weighed("missing", (best,), (gain, *_brings(best), _by_chance(best, scales), told))
+    return MetricWeighed("missing", (best,), (gain, *_brings(best), _by_chance(best, scales), told))
 
 
-def _nothing(sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scales: MetricScales, told: str) -> Weighed:
+def _nothing(
+    sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scales: MetricScales, told: str
+) -> MetricWeighed:
     """Say that nothing is missing, or that nothing can be named for it."""
     law = scales.law
     if likely:
-        return Weighed("unknown", (), (_remains(scales), MORE_TESTS, told))
+        return MetricWeighed("unknown", (), (_remains(scales), MORE_TESTS, told))
     hint = (
         f"no effect gains more than scatter does; of the likeliest, {sound[0].name}, "
         f"{_by_chance(sound[0], scales)}" if sound else "no effect gains anything"
     )  # fmt: skip
     if scales.lack[0] < REAL_CHANCE:
         more = f"{hint}; {MORE_TESTS}"
-        return Weighed("unknown", (), ("what is left is more than scatter, and no effect explains it", more, told))
+        return MetricWeighed(
+            "unknown", (), ("what is left is more than scatter, and no effect explains it", more, told)
+        )
     if law.freedoms < FEWEST_FREEDOMS:
         few = f"{law.residual.size} metrics less {law.parameters} parameters leave too little to judge the law by"
-        return Weighed("unknown", (), (few, MORE_TESTS, told))
-    return Weighed("complete", (), ("what dW and W show is scatter", hint, told))
+        return MetricWeighed("unknown", (), (few, MORE_TESTS, told))
+    return MetricWeighed("complete", (), ("what dW and W show is scatter", hint, told))
 
 
 def _remains(scales: MetricScales) -> str:
@@ -134,7 +138,7 @@ def _remains(scales: MetricScales) -> str:
     return f"{' and '.join(added)} together leave more than scatter" if added else "what is left is more than scatter"
 
 
-def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> Weighed | None:
+def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> MetricWeighed | None:
     """Name what clearly takes most on left-out conditions, though much remains or its form isn't right; else None.
 
     Args:
@@ -163,14 +167,14 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> We
     form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
     further = (*form, *([_remains(scales)] if scales.much_remains else []))
     if len(named) > 1:
-        return Weighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", *further, told))
-    return Weighed("missing", named, (takes, *_brings(best), *further, _by_chance(best, scales), told))
+        return MetricWeighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", *further, told))
+    return MetricWeighed("missing", named, (takes, *_brings(best), *further, _by_chance(best, scales), told))
 
 
 def _taking_part(laws: Sequence[MetricJudged], scales: MetricScales) -> list[MetricJudged]:
     """Give the laws that take the greater part of what the richest one does, and a part beyond doubt; best first."""
     able = [each for each in laws if scales.chances[each.name] < REAL_CHANCE]
-    large = [each for each in able if scales.of_richest(each) >= GREATER_PART_SHARE][:MOST_LEFT_OUT]
+    large = [each for each in able if scales.of_richest(each) >= GREATER_PART_SHARE][:MOST_ASKED]
     return sorted(filter(scales.takes_part, large), key=lambda each: float(scales.heldout(each).sum()))
 
 
@@ -241,6 +245,6 @@ def _scatter_words(scatter: Scatter) -> str:
     dissipated, elastic = scatter.share
     few = int(scatter.freedoms.min() - EXPECTED_FREEDOMS)
     return (
-        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER:.0%} was expected, and what the "
-        f"richest law leaves ({few} more numbers than it has parameters) corrected it"
+        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER_BEFOREHAND:.0%} was expected, "
+        f"and what the richest law leaves ({few} more numbers than it has parameters) corrected it"
     )

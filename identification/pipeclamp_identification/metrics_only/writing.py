@@ -14,7 +14,7 @@ from pipeclamp_identification.loops.metrics import metrics_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
 from pipeclamp_models.base.units import CELSIUS
 
-DIGITS = 6
+METRIC_DIGITS = 6
 """Significant digits of metrics and measured conditions: more than loops repeat to."""
 
 
@@ -26,7 +26,7 @@ def as_metrics(campaign: Campaign, loops: Loops) -> MetricCampaign:
         loops: `loops_of(campaign)`.
     """
     metrics = metrics_of(loops)
-    half_a_unit = 0.5 * 10.0 ** (1 - DIGITS) / math.sqrt(3)
+    half_a_unit = 0.5 * 10.0 ** (1 - METRIC_DIGITS) / math.sqrt(3)
     runs = tuple(
         MetricRun(
             name=run.name,
@@ -83,7 +83,7 @@ def metric_files(campaign: MetricCampaign) -> Iterator[tuple[str, bytes]]:
 
 
 def _digits(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
+    return float(f"{value:.{METRIC_DIGITS}g}")
 
 
 def _known(value: float) -> float | None:

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from pipeclamp_identification.comparison.answer import PartAnswer, RegionAnswer, parts_answer
-from pipeclamp_identification.comparison.concentration import Region
+from pipeclamp_identification.comparison.answer import PartAnswer, RegionAnswer, parts_answer, region_answer
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES
 from pipeclamp_identification.on_pipe.records import RecordsComparison, records_words
 from pipeclamp_identification.on_pipe.sines import PipeComparison
@@ -102,7 +101,7 @@ def sines_answer(comparison: PipeComparison) -> OnPipeAnswer:
         sines=tuple(_sine(comparison, row) for row in range(comparison.measurement.steady.frequency.size)),
         where=PipeWhereAnswer(
             words=tuple(where_words(comparison)),
-            region=_region(comparison.region()),
+            region=region_answer(comparison.region()),
             kinds=parts_answer(comparison.by_kind()),
             probes=parts_answer(by_probe),
             conditions={
@@ -142,12 +141,8 @@ def records_answer(comparison: RecordsComparison) -> OnPipeAnswer:
         ),
         where=PipeWhereAnswer(
             words=tuple(records_words(comparison)[1:2]),
-            region=_region(comparison.region()),
+            region=region_answer(comparison.region()),
             probes=parts_answer(by_probe),
             conditions={"frequency_Hz": parts_answer(by_band)},
         ),
     )
-
-
-def _region(found: Region | None) -> RegionAnswer | None:
-    return None if found is None else RegionAnswer(words=found.words, share=found.share, even_share=found.even)

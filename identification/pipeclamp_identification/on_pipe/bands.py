@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_identification.on_pipe.answer import BandsOnPipeAnswer
-from pipeclamp_identification.on_pipe.measurement import read_description
+from pipeclamp_identification.on_pipe.measurement import read_measurement_description
 from pipeclamp_identification.on_pipe.prediction import Group
-from pipeclamp_identification.on_pipe.sines import PipeComparison, scatter_of
+from pipeclamp_identification.on_pipe.sines import PipeComparison, sine_scatter_of
 from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.bands.band import steps_of
@@ -79,7 +79,7 @@ class PipeBands:
         )
 
     def _scatter(self) -> Array:
-        return scatter_of(self.comparison.measurement)
+        return sine_scatter_of(self.comparison.measurement)
 
 
 def refuse_bands(path: Path, measured: Path, per_cent: float) -> None:
@@ -91,7 +91,7 @@ def refuse_bands(path: Path, measured: Path, per_cent: float) -> None:
     """
     steps_of(per_cent)
     refuse_unknown(read_system(path), path.parent, str(path))
-    if not read_description(measured)[1].has_sines:
+    if not read_measurement_description(measured)[1].has_sines:
         raise UserError(
             f"{measured}: only records of any motion; bands are of sines: leave out --bands, or pipeclamp cosim --bands"
         )
@@ -119,7 +119,7 @@ def pipe_bands(path: Path, comparison: PipeComparison, per_cent: float) -> PipeB
                 slopes = _slopes(comparison, group, place, row, unknown)
                 moved[row] = unknown.means @ slopes
                 variance[row] = np.einsum("qp,qr,rp->p", slopes, unknown.covariance, slopes)
-    variance += np.nan_to_num(scatter_of(comparison.measurement)) ** 2
+    variance += np.nan_to_num(sine_scatter_of(comparison.measurement)) ** 2
     half, size = steps * np.sqrt(variance), np.abs(comparison.prediction.response) + moved
     return PipeBands(comparison, per_cent, np.maximum(size - half, 0.0), size + half, gaps(unknown.laws))
 

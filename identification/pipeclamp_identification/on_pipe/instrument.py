@@ -12,7 +12,7 @@ from pipeclamp_models.base.arrays import Array, ComplexArray
 
 
 @dataclass(frozen=True)
-class Channel:
+class SensorChannel:
     """A sensor's channel: what is recorded is the truth times a gain, turned by a phase (rad), late by a delay (s)."""
 
     gain: float = 1.0
@@ -44,15 +44,15 @@ class Instrument:
         frequency: true frequencies over stated ones.
     """
 
-    sensors: tuple[tuple[str, Channel], ...] = field(default=())
-    excitation: Channel = Channel()
+    sensors: tuple[tuple[str, SensorChannel], ...] = field(default=())
+    excitation: SensorChannel = SensorChannel()
     frequency: float = 1.0
 
-    def sensor(self, name: str) -> Channel:
+    def sensor(self, name: str) -> SensorChannel:
         """Give the channel of a probe."""
-        return dict(self.sensors).get(name, Channel())
+        return dict(self.sensors).get(name, SensorChannel())
 
-    def with_sensor(self, name: str, channel: Channel) -> Instrument:
+    def with_sensor(self, name: str, channel: SensorChannel) -> Instrument:
         """Give it with another channel of a probe."""
         return Instrument(tuple({**dict(self.sensors), name: channel}.items()), self.excitation, self.frequency)
 
@@ -82,7 +82,7 @@ class Instrument:
 
     def recorded_motion(self, probes: Sequence[str], values: Array, step: float) -> Array:
         """Turn true motion over time, (n, probes), into what is recorded beside the recorded excitation."""
-        late = Channel(1.0, -self.excitation.phase, -self.excitation.delay)
+        late = SensorChannel(1.0, -self.excitation.phase, -self.excitation.delay)
         columns = [
             self.sensor(name).turned(late.turned(column, step), step)
             for name, column in zip(probes, values.T, strict=True)

@@ -15,7 +15,7 @@ from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_models.base.arrays import Array, BoolArray, ComplexArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
-from pipeclamp_models.base.toml_file import Celsius, Name, NotNegative, Table, read_table
+from pipeclamp_models.base.toml_file import Celsius, NotNegative, ShortName, TomlTable, read_table
 from pipeclamp_system.description.measured_table import DRIVES, Drive, ascending_time, csv_frame, drive_column, numbers
 
 FILE_NAME = "measurement.toml"
@@ -38,14 +38,14 @@ QUANTITIES = ("displacement", "velocity", "acceleration")
 SWEEPS = {"up": 1, "down": -1, None: 0}
 
 
-class ProbeTable(Table):
+class ProbeTable(TomlTable):
     """A sensor: its column, where it sits, its unit, and what its motion is measured against.
 
     `position_m` may be left out for a probe that the pipe's description names. Displacements and velocities are
     relative to the base unless told, as a laser on the floor of the shaken frame has them; accelerations are absolute.
     """
 
-    name: Name
+    name: ShortName
     position_m: NotNegative | None = None
     unit: Unit
     against: Literal["base", "ground"] | None = None
@@ -66,7 +66,7 @@ class ProbeTable(Table):
         return self.against == "ground" if self.against else self.order == 2
 
 
-class MeasuredResponseTable(Table):
+class MeasuredResponseTable(TomlTable):
     """A frequency response, a row a sine; `ratio` says that the probes' columns are divided by the excitation."""
 
     file: str
@@ -75,7 +75,7 @@ class MeasuredResponseTable(Table):
     ratio: bool = False
 
 
-class SineTable(Table):
+class SineTable(TomlTable):
     """A record of a steady sine; what comes before `from_s` isn't settled yet."""
 
     file: str
@@ -84,14 +84,14 @@ class SineTable(Table):
     from_s: NotNegative = 0.0
 
 
-class RecordTable(Table):
+class RecordTable(TomlTable):
     """A record of any motion, begun at rest: a sweep, a burst, random excitation."""
 
     file: str
     temperature_C: Celsius | None = None
 
 
-class MeasurementDescription(Table):
+class MeasurementDescription(TomlTable):
     """What was measured on a pipe: sines, records of any motion, or both; paths are relative to the file."""
 
     name: str = "measurement"
@@ -173,7 +173,7 @@ class _Rows:
     scatter: Array
 
 
-def read_description(path: Path) -> tuple[Path, MeasurementDescription]:
+def read_measurement_description(path: Path) -> tuple[Path, MeasurementDescription]:
     """Read the description of a measurement, a folder with measurement.toml or that file; give the file, too.
 
     Raises:
@@ -189,7 +189,7 @@ def read_measurement(path: Path) -> PipeMeasurement:
     Raises:
         UserError: a file is missing or can't serve; the message names file, row and column.
     """
-    file, description = read_description(path)
+    file, description = read_measurement_description(path)
     parts: list[tuple[MeasuredResponseTable | SineTable, _Rows]] = [
         *((entry, _response_rows(file.parent / entry.file, entry, description)) for entry in description.responses),
         *((entry, _sine_rows(file.parent / entry.file, entry, description)) for entry in description.sines),

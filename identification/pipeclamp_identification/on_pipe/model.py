@@ -18,7 +18,7 @@ from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import steady_clamps
 
-SAMPLES = 128
+SAMPLES_PER_CYCLE = 128
 """Of a cycle, at which the clamps' laws are evaluated; 256 change a response by less than 0.1 %."""
 
 REDUCTION = 1e-3
@@ -95,7 +95,7 @@ def read_model(
     system, pipe = _measured_pipe(path, description, drives)
     reduced = reduce(pipe)
     clamps = {
-        temperature: tuple(steady_clamps(system, reduced, path.parent, temperature, str(path), SAMPLES))
+        temperature: tuple(steady_clamps(system, reduced, path.parent, temperature, str(path), SAMPLES_PER_CYCLE))
         for temperature in clamps_at
     }
     names = tuple(source.at for source in system.clamps)

@@ -25,10 +25,10 @@ from pipeclamp_system.steady.states import SteadyState
 SAME_LEVEL = 0.06
 """Sines whose excitation differs by less, as a share, are of one level."""
 
-CLASSES = (3, 5, 9, 15, 23, 32)
+HARMONIC_CLASSES = (3, 5, 9, 15, 23, 32)
 """Harmonics up to which sines are balanced together: those that ask for about as many."""
 
-SAME = 1e-3
+SAME_MOTION_SHARE = 1e-3
 """Motions whose fundamentals differ by less, as a share, are one."""
 
 
@@ -188,7 +188,11 @@ def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
     """Give up to which harmonic a sine is balanced."""
     if model.harmonics is not None:
         return model.harmonics
-    return CLASSES[0] if state is None else min(H for H in CLASSES if min(state.harmonics, CLASSES[-1]) <= H)
+    return (
+        HARMONIC_CLASSES[0]
+        if state is None
+        else min(H for H in HARMONIC_CLASSES if min(state.harmonics, HARMONIC_CLASSES[-1]) <= H)
+    )
 
 
 def _first_states(
@@ -248,7 +252,7 @@ def _apart(states: Sequence[SteadyState]) -> list[SteadyState]:
     """Give states that differ, each once, in their order."""
     found: list[SteadyState] = []
     for state in states:
-        size = SAME * np.abs(state.clamps[:, 1]).max(initial=0.0)
+        size = SAME_MOTION_SHARE * np.abs(state.clamps[:, 1]).max(initial=0.0)
         if all(np.abs(state.clamps[:, 1] - other.clamps[:, 1]).max(initial=0.0) > size for other in found):
             found.append(state)
     return found

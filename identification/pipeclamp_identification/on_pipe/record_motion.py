@@ -15,17 +15,17 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.transient.march import HeldLaw, Marched, Variant, march
+from pipeclamp_system.transient.march import HeldLaw, MarchedModels, Variant, march
 
-Conditions = tuple[tuple[float, float], ...]
+AmplitudesAndFrequencies = tuple[tuple[float, float], ...]
 
 PASSES, SAME = 4, 0.02
 """Runs in which a law's A and f are brought to those of the motion, until they change by less than this share."""
 TIME_ERROR = 1e-3
 """Share of the rms by which the time step may change what probes show: well below what sensors err by."""
-FINEST = 32
+MOST_SUBSTEPS = 32
 """Steps between two samples at most."""
-AT_ONCE = 60
+MODELS_AT_ONCE = 60
 """Models that are marched together; more of them leave the processor's cache."""
 
 
@@ -39,11 +39,11 @@ class RecordPrediction:
     """
 
     computed: Array
-    conditions: Conditions
+    conditions: AmplitudesAndFrequencies
 
 
 def predict_record(
-    models: Sequence[CoupledModel], record: MotionRecord, every: int, near: Sequence[Conditions | None]
+    models: Sequence[CoupledModel], record: MotionRecord, every: int, near: Sequence[AmplitudesAndFrequencies | None]
 ) -> list[RecordPrediction | None]:
     """Give what models say of a record; None for a pipe that can't be reduced.
 
@@ -63,7 +63,9 @@ def predict_record(
 
 
 def _predicted(
-    coupled: Sequence[tuple[ReducedPipe, CoupledModel, Conditions | None]], record: MotionRecord, every: int
+    coupled: Sequence[tuple[ReducedPipe, CoupledModel, AmplitudesAndFrequencies | None]],
+    record: MotionRecord,
+    every: int,
 ) -> list[RecordPrediction]:
     """Give what models, by their pipes and where their laws' A and f begin, say of a record."""
     laws = [[clamp for _, clamp in model.clamps[record.temperature]] for _, model, _ in coupled]
@@ -91,13 +93,13 @@ def _predicted(
 
 
 def _moving_alike(
-    models: Sequence[CoupledModel], taken: Sequence[Conditions], waiting: Sequence[int]
+    models: Sequence[CoupledModel], taken: Sequence[AmplitudesAndFrequencies], waiting: Sequence[int]
 ) -> Iterator[tuple[tuple[float, float], list[list[int]]]]:
-    """Give models by the true level and rate of what is stated, `AT_ONCE` at once, those that differ in sensors as one.
+    """Give models by the true level and rate of what is stated, some at once, those that differ in sensors as one.
 
     They are alike in pipe and clamps by identity: a change of the measuring chain leaves both in place.
     """
-    marched: dict[tuple[float, float], dict[tuple[int, int, Conditions], list[int]]] = {}
+    marched: dict[tuple[float, float], dict[tuple[int, int, AmplitudesAndFrequencies], list[int]]] = {}
     for index in waiting:
         model = models[index]
         stretched = model.instrument.true_drive(False), model.instrument.frequency
@@ -105,8 +107,8 @@ def _moving_alike(
         marched.setdefault(stretched, {}).setdefault(motion, []).append(index)
     for stretched, motions in marched.items():
         alike = list(motions.values())
-        for begin in range(0, len(alike), AT_ONCE):
-            yield stretched, alike[begin : begin + AT_ONCE]
+        for begin in range(0, len(alike), MODELS_AT_ONCE):
+            yield stretched, alike[begin : begin + MODELS_AT_ONCE]
 
 
 def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, RecordPrediction]:
@@ -128,12 +130,14 @@ def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, Recor
                 f"{record.path}: the model's motion grows beyond all bounds; check the excitation's unit, and the "
                 "clamps' laws"
             )
-        if float(np.mean((fine.computed - coarse.computed) ** 2)) <= TIME_ERROR**2 * size or 2 * every >= FINEST:
+        if float(np.mean((fine.computed - coarse.computed) ** 2)) <= TIME_ERROR**2 * size or 2 * every >= MOST_SUBSTEPS:
             return every, coarse
         every, coarse = 2 * every, fine
 
 
-def _alone(model: CoupledModel, record: MotionRecord, every: int, near: Conditions | None) -> RecordPrediction:
+def _alone(
+    model: CoupledModel, record: MotionRecord, every: int, near: AmplitudesAndFrequencies | None
+) -> RecordPrediction:
     (found,) = _predicted([(_pipe(model, record), model, near)], record, every)
     return found
 
@@ -153,7 +157,7 @@ def _pipe(model: CoupledModel, record: MotionRecord) -> ReducedPipe:
     )
 
 
-def _held(clamps: Sequence[SteadyClamp], taken: Conditions) -> tuple[HeldLaw, ...]:
+def _held(clamps: Sequence[SteadyClamp], taken: AmplitudesAndFrequencies) -> tuple[HeldLaw, ...]:
     return tuple(
         HeldLaw(clamp.law, amplitude, frequency, clamp.temperature)
         for clamp, (amplitude, frequency) in zip(clamps, taken, strict=True)
@@ -168,7 +172,9 @@ def _begun(clamp: SteadyClamp) -> tuple[float, float]:
     )
 
 
-def _conditions(clamps: Sequence[SteadyClamp], taken: Conditions, moved: Marched, row: int) -> Conditions:
+def _conditions(
+    clamps: Sequence[SteadyClamp], taken: AmplitudesAndFrequencies, moved: MarchedModels, row: int
+) -> AmplitudesAndFrequencies:
     """Give A (mm) and f (Hz) of each clamp's motion, inside the law's range; as taken where they are given."""
     found = []
     for index, clamp in enumerate(clamps):
@@ -182,7 +188,7 @@ def _conditions(clamps: Sequence[SteadyClamp], taken: Conditions, moved: Marched
     return tuple(found)
 
 
-def _changed(before: Conditions, after: Conditions) -> bool:
+def _changed(before: AmplitudesAndFrequencies, after: AmplitudesAndFrequencies) -> bool:
     return any(
         abs(a / b - 1) >= SAME for new, old in zip(after, before, strict=True) for a, b in zip(new, old, strict=True)
     )

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Breakdown, Part
+from pipeclamp_identification.comparison.breakdown import Breakdown, ErrorPart
 from pipeclamp_identification.comparison.concentration import Factor, Region, densest, region_sentence
-from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_description
+from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_measurement_description
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
 from pipeclamp_identification.on_pipe.record_files import MotionRecord, read_motion_records
-from pipeclamp_identification.on_pipe.record_motion import Conditions, RecordPrediction, steps_between
+from pipeclamp_identification.on_pipe.record_motion import AmplitudesAndFrequencies, RecordPrediction, steps_between
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.said import counted
@@ -23,7 +23,7 @@ from pipeclamp_system.description.system import SystemDescription
 
 BANDS = 8
 """Bands of frequency, each as wide as the others on a logarithmic axis."""
-LEAST = 5e-3
+SHARE_BEYOND_BANDS = 5e-3
 """Share of the squared record that must lie beyond the lowest, and beyond the highest band."""
 
 
@@ -62,7 +62,7 @@ class RecordPair:
         return self.prediction.computed
 
     @property
-    def conditions(self) -> Conditions:
+    def conditions(self) -> AmplitudesAndFrequencies:
         """A (mm) and f (Hz) that each clamp's law was taken for."""
         return self.prediction.conditions
 
@@ -115,7 +115,11 @@ class RecordsComparison:
         for pair in self.pairs:
             frequency, measured, _ = pair.spectra
             share = np.cumsum((measured / self.scales**2).sum(axis=1))
-            inside = (share > LEAST * share[-1]) & (share < (1 - LEAST) * share[-1]) & (frequency > 0)
+            inside = (
+                (share > SHARE_BEYOND_BANDS * share[-1])
+                & (share < (1 - SHARE_BEYOND_BANDS) * share[-1])
+                & (frequency > 0)
+            )
             if inside.any():
                 low, high = min(low, float(frequency[inside][0])), max(high, float(frequency[inside][-1]))
         if not 0 < low < high:
@@ -161,7 +165,7 @@ class RecordsComparison:
         others = tuple(other for other in range(3) if other != axis)
         error, measured = (squares.sum(axis=others).tolist() for squares in self.squares)
         parts = [
-            Part(label, one, None, even, len(self.pairs))
+            ErrorPart(label, one, None, even, len(self.pairs))
             for label, one, even in zip(labels, error, measured, strict=True)
         ]
         return Breakdown(by, tuple(parts))
@@ -196,7 +200,7 @@ def compare_records(system_path: Path, measured: Path) -> RecordsComparison:
     Raises:
         UserError: a file can't serve, they don't belong together, or the model can't be integrated.
     """
-    file, description = read_description(measured)
+    file, description = read_measurement_description(measured)
     records = read_motion_records(file.parent, description)
     kinds = {record.drive_unit for record in records}
     system, model = read_model(system_path, description, kinds, {record.temperature for record in records})

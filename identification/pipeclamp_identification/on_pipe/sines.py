@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, Part
+from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, ErrorPart
 from pipeclamp_identification.comparison.concentration import Factor, Region, condition_factors, densest, is_scatter
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement, read_measurement
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
@@ -119,7 +119,7 @@ class PipeComparison:
     @cached_property
     def squared_scatter(self) -> Array:
         """What of the squared error no model can explain, likewise; nan where it isn't known, (P, probes)."""
-        deviation = scatter_of(self.measurement) * self.measurement.steady.drive[:, None] / self.scales
+        deviation = sine_scatter_of(self.measurement) * self.measurement.steady.drive[:, None] / self.scales
         return np.where(self.compared, np.where(self.measurement.steady.phased, 2, 1) * deviation**2, 0.0)
 
     @property
@@ -152,11 +152,11 @@ class PipeComparison:
             conditions.insert(2, Condition("temperature_C", "T", "°C", number_levels(stated, absolute=3.0)))
         return tuple(condition for condition in conditions if condition.varies)
 
-    def part(self, label: str, rows: IntArray | slice, columns: IntArray | slice = slice(None)) -> Part:
+    def part(self, label: str, rows: IntArray | slice, columns: IntArray | slice = slice(None)) -> ErrorPart:
         """Give the part of the error that some sines have at some probes."""
         scatter = self.squared_scatter[rows][:, columns]
         number = self.squared_error[rows].shape[0]
-        return Part(
+        return ErrorPart(
             label,
             float(np.sum(self.squared_error[rows][:, columns])),
             float(np.nansum(scatter)) if np.isfinite(scatter).all() else None,
@@ -164,7 +164,7 @@ class PipeComparison:
             number,
         )
 
-    def _whole(self, label: str) -> Part:
+    def _whole(self, label: str) -> ErrorPart:
         return self.part(label, slice(None))
 
     def by_condition(self, condition: Condition) -> Breakdown:
@@ -182,7 +182,8 @@ class PipeComparison:
         half = None if whole.squared_scatter is None else whole.squared_scatter / 2
         errors = self.squared_error.sum(axis=(0, 1)).tolist()
         parts = [
-            Part(kind, error, half, whole.squared_force, whole.runs) for kind, error in zip(KINDS, errors, strict=True)
+            ErrorPart(kind, error, half, whole.squared_force, whole.runs)
+            for kind, error in zip(KINDS, errors, strict=True)
         ]
         return Breakdown("amplitude and phase", tuple(parts))
 
@@ -215,7 +216,7 @@ def turned_error(measurement: PipeMeasurement, computed: ComplexArray) -> Comple
     return np.asarray(np.where(steady.phased, whole, size - np.abs(computed)), dtype=np.complex128)
 
 
-def scatter_of(measurement: PipeMeasurement) -> Array:
+def sine_scatter_of(measurement: PipeMeasurement) -> Array:
     """Give the standard deviation of real and of imaginary parts, of repeated sines too; nan where unknown."""
     steady = measurement.steady
     found = steady.scatter.copy()

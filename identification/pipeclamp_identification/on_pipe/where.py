@@ -13,7 +13,7 @@ from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.said import counted
 from pipeclamp_system.description.measured_table import DRIVES
-from pipeclamp_system.steady.harmonics import DOUBTFUL
+from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
 
 PEAK_MOVED, PEAK_OFF = 0.005, 0.05
 """Shares by which a peak must be moved, or be too high, to be worth a sentence."""
@@ -102,7 +102,7 @@ def _branch_words(comparison: PipeComparison) -> Iterator[str]:
 
 def _truncated_words(comparison: PipeComparison) -> Iterator[str]:
     """Say where the model's own motions lack harmonics."""
-    doubtful = np.flatnonzero(comparison.truncated > DOUBTFUL)
+    doubtful = np.flatnonzero(comparison.truncated > DOUBTFUL_SHARE)
     if doubtful.size:
         f, worst = comparison.measurement.steady.frequency[doubtful], comparison.truncated[doubtful].max()
         yield (

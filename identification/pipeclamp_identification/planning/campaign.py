@@ -13,11 +13,11 @@ from pipeclamp_identification.diagnosis.further_test.limits import Limits, limit
 from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, SINE
 from pipeclamp_identification.planning.hidden import peak_forces
 from pipeclamp_identification.planning.loop_tests import RIG
-from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes
+from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER_BEFOREHAND, RigTimes
 from pipeclamp_identification.planning.scene import Scene, scene
 from pipeclamp_identification.planning.schedule import (
     LABORATORY,
-    Condition,
+    AmplitudeAndFrequency,
     ScheduledRun,
     hours_of,
     scheduled,
@@ -29,12 +29,12 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
 
-FINEST = {"A": 7, "f": 7, "T": 5}
+MOST_LEVELS = {"A": 7, "f": 7, "T": 5}
 """Levels within the limits, of which plans take some."""
-COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
+LEVEL_COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
 """Numbers of levels: from fewer than three no law can be foretold at their ends, and no form be judged."""
 MOST_REPEATS = 6
-NEARLY = 1.05
+AS_GOOD_TIMES = 1.05
 """A plan that needs an effect this many times as large as another one's names as well; the shorter one is taken."""
 LONGER = 2.0
 """Times the hours, up to which plans are looked at, to say what more time would give."""
@@ -42,7 +42,7 @@ PROFILE = PROFILES[SINE]
 
 
 @dataclass(frozen=True)
-class Asked:
+class PlanRequest:
     """What a campaign is planned for.
 
     Attributes:
@@ -56,7 +56,7 @@ class Asked:
 
     hours: float = HOURS
     noise_N: float = RIG.force_noise
-    scatter: float = SCATTER
+    scatter: float = SCATTER_BEFOREHAND
     rate: float = RIG.rate
     times: RigTimes = RIG_TIMES
     seed: int = 0
@@ -80,7 +80,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Stage:
+class PlanStage:
     """What is known after a block: hours, and the rms force above which nine of ten effects are named; None: none."""
 
     temperature_C: float
@@ -90,7 +90,7 @@ class Stage:
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedPlan:
     """A plan that was looked at: its hours, its runs, what it names, and how many effects it can tell."""
 
     hours: float
@@ -116,18 +116,18 @@ class CampaignPlan:
     """
 
     law: str
-    asked: Asked
+    asked: PlanRequest
     limits: Limits
     runs: tuple[ScheduledRun, ...]
     repeats: int
     hours: float
     power: Power
-    stages: tuple[Stage, ...]
-    tried: tuple[Tried, ...]
+    stages: tuple[PlanStage, ...]
+    tried: tuple[TriedPlan, ...]
 
 
 def plan_campaign(
-    file: LawFile, limits: Limits | None = None, asked: Asked | None = None, progress: Progress | None = None
+    file: LawFile, limits: Limits | None = None, asked: PlanRequest | None = None, progress: Progress | None = None
 ) -> CampaignPlan:
     """Give the campaign that names the most and the smallest effects within its hours.
 
@@ -140,7 +140,7 @@ def plan_campaign(
     Raises:
         UsageError: nothing can be driven within the limits, or no campaign fits into the hours.
     """
-    asked = asked or Asked()
+    asked = asked or PlanRequest()
     asked.check()
     levels = _Levels(_within(file, limits))
     levels.refuse_force(peak_forces(file, levels.grid))
@@ -149,19 +149,19 @@ def plan_campaign(
         shortest = f"; the shortest takes {min(hours for hours, *_ in schedules):.2g} h" if schedules else ""
         raise UsageError(f"--hours: got {asked.hours:g}; no campaign fits into that{shortest}")
     view = scene(file, levels.grid, asked.noise_N, asked.rate, asked.scatter, progress)
-    tried: list[Tried] = []
-    fitting: list[tuple[Tried, int, tuple[ScheduledRun, ...], Power]] = []
+    tried: list[TriedPlan] = []
+    fitting: list[tuple[TriedPlan, int, tuple[ScheduledRun, ...], Power]] = []
     for hours, repeats, runs in schedules:
         if hours > LONGER * asked.hours:
             continue
         found = power(view, levels.counted(runs))
-        one = Tried(hours, len(runs), found.from_newtons, int(found.told.sum()))
+        one = TriedPlan(hours, len(runs), found.from_newtons, int(found.told.sum()))
         tried.append(one)
         if hours <= asked.hours:
             fitting.append((one, repeats, runs, found))
     most = max(one.told for one, *_ in fitting)
     lowest = min(one.newtons for one, *_ in fitting if one.told == most)
-    as_good = [each for each in fitting if each[0].told == most and each[0].newtons <= NEARLY * lowest]
+    as_good = [each for each in fitting if each[0].told == most and each[0].newtons <= AS_GOOD_TIMES * lowest]
     best, repeats, runs, found = min(as_good, key=lambda each: each[0].hours)
     stages = tuple(_stages(runs, levels, view, asked))
     return CampaignPlan(
@@ -169,9 +169,9 @@ def plan_campaign(
     )
 
 
-def _schedules(levels: _Levels, asked: Asked) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
+def _schedules(levels: _Levels, asked: PlanRequest) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
     """Give hours, repeats and runs of campaigns, of each choice of levels up to the first that takes far too long."""
-    for counts in itertools.product(*COUNTS.values()):
+    for counts in itertools.product(*LEVEL_COUNTS.values()):
         conditions, temperatures = levels.some(*counts)
         for repeats in range(1, MOST_REPEATS + 1) if conditions else ():
             runs = scheduled(conditions, temperatures, repeats, asked.times, asked.seed)
@@ -196,9 +196,9 @@ class _Levels:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         A, f, T = limits.amplitude, limits.frequency, limits.temperature
-        self.A = stated_levels(np.geomspace(A[0], A[1] / PROFILE.peak_displacement, FINEST["A"]), *A)
-        self.f = stated_levels(np.geomspace(*f, FINEST["f"]), *f)
-        self.T = stated_levels(np.linspace(*T, FINEST["T"]), *T)
+        self.A = stated_levels(np.geomspace(A[0], A[1] / PROFILE.peak_displacement, MOST_LEVELS["A"]), *A)
+        self.f = stated_levels(np.geomspace(*f, MOST_LEVELS["f"]), *f)
+        self.T = stated_levels(np.linspace(*T, MOST_LEVELS["T"]), *T)
         every = np.array(list(itertools.product(self.A.tolist(), self.f.tolist(), self.T.tolist())))
         slow = PROFILE.peak_velocity * every[:, 0] * every[:, 1] <= limits.velocity
         if not slow.any():
@@ -211,7 +211,7 @@ class _Levels:
         """Leave out conditions that ask for more than the rig's force, by the law's largest there, N, shape (R,)."""
         self._rows = {one: place for one, place in self._rows.items() if peak[place] <= self.limits.force}
 
-    def some(self, A: int, f: int, T: int) -> tuple[list[Condition], list[float]]:
+    def some(self, A: int, f: int, T: int) -> tuple[list[AmplitudeAndFrequency], list[float]]:
         """Give so many levels of each, evenly chosen: the conditions of a block, and the temperatures."""
         temperatures = _spread(self.T, T)
         pairs = itertools.product(_spread(self.A, A), _spread(self.f, f))
@@ -231,13 +231,13 @@ def _spread(levels: Array, count: int) -> list[float]:
     return [float(value) for value in levels[places]]
 
 
-def _stages(runs: Sequence[ScheduledRun], levels: _Levels, view: Scene, asked: Asked) -> Iterator[Stage]:
+def _stages(runs: Sequence[ScheduledRun], levels: _Levels, view: Scene, asked: PlanRequest) -> Iterator[PlanStage]:
     """Give what is known after each block."""
     for block in range(1, runs[-1].block + 1):
         so_far = [run for run in runs if run.block <= block]
         found = power(view, levels.counted(so_far))
         newtons = found.from_newtons
-        yield Stage(
+        yield PlanStage(
             so_far[-1].temperature_C, hours_of(so_far, asked.times), newtons if math.isfinite(newtons) else None,
             int(found.told.sum()),
         )  # fmt: skip

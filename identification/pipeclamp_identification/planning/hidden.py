@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeclamp_identification.campaign.rig import TestPlan, truth_of
-from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS
-from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES, harmonics_of, mean_squares_of
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD
+from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE, mean_squares_of, real_harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS, grows_with_force
@@ -19,9 +19,9 @@ from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
-FOLLOWED = frozenset({"A", "f", "T"})
+LOOP_TEST_CONDITIONS = frozenset({"A", "f", "T"})
 """Conditions that loop tests of a plan vary."""
-SHARES = 1e-5, 20.0
+SIZES_SOUGHT = 1e-5, 20.0
 """Of its typical size, between which an effect is looked for."""
 
 
@@ -35,8 +35,10 @@ def bare_law(file: LawFile) -> Law:
 
 def peak_forces(file: LawFile, grid: Mapping[str, Array]) -> Array:
     """Give about the largest force of a file's base law at each condition of a grid, N, shape (R,)."""
-    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES)
-    return 2 * np.sqrt(mean_squares_of(harmonics_of(force_of_law(bare_law(file), motion).force, HARMONICS)))
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE)
+    return 2 * np.sqrt(
+        mean_squares_of(real_harmonics_of(force_of_law(bare_law(file), motion).force, HARMONICS_FORETOLD))
+    )
 
 
 def typical_law(file: LawFile, effect: str, grid: Mapping[str, Array]) -> Law:
@@ -60,7 +62,7 @@ def typical_law(file: LawFile, effect: str, grid: Mapping[str, Array]) -> Law:
         rate=max(TestPlan().rate, 20 * float(grid["f"].max())),
     )
     law = truth_of(bare_file, (effect,), {}, sized).law
-    if law.equations.slow_signals - FOLLOWED:
+    if law.equations.slow_signals - LOOP_TEST_CONDITIONS:
         raise UserError(f"{effect} follows what no loop test varies")
     return law
 
@@ -82,8 +84,8 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
         UserError: as for `typical_law`.
     """
     law, bare = typical_law(file, effect, grid), bare_law(file)
-    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES)
-    without = harmonics_of(force_of_law(bare, motion).force, HARMONICS)
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE)
+    without = real_harmonics_of(force_of_law(bare, motion).force, HARMONICS_FORETOLD)
     own = [one for one in law.equations.composed.parameters if one.name not in bare.values]
     forces = {one.name: float(one.neutral or 0.0) for one in own if grows_with_force(one.unit)}
     neutral = forces or {one.name: float(one.neutral) for one in own if one.neutral is not None}
@@ -93,8 +95,10 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
         return replace(law, values={**law.values, **moved})
 
     def short(logarithm: float) -> float:
-        beyond = harmonics_of(force_of_law(at(float(np.exp(logarithm))), motion).force, HARMONICS) - without
+        beyond = (
+            real_harmonics_of(force_of_law(at(float(np.exp(logarithm))), motion).force, HARMONICS_FORETOLD) - without
+        )
         with np.errstate(divide="ignore"):  # a stop that is never reached gives no force: short of any
             return 0.5 * float(np.log(np.mean(mean_squares_of(beyond)) / newtons**2))
 
-    return at(float(np.exp(brentq(short, *np.log(SHARES), xtol=1e-3))))
+    return at(float(np.exp(brentq(short, *np.log(SIZES_SOUGHT), xtol=1e-3))))

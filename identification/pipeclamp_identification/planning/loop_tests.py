@@ -9,7 +9,13 @@ import numpy as np
 
 from pipeclamp_identification.campaign.rig import TestPlan
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, drivable_grid, reach_around
-from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, PROFILES, REPEATS, SINE, sensor_noise
+from pipeclamp_identification.diagnosis.further_test.outlook import (
+    HARMONICS_FORETOLD,
+    PROFILES,
+    RUNS_OF_A_TEST,
+    SINE,
+    sensor_noise,
+)
 from pipeclamp_identification.fitting.observations import harmonic_slopes
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
@@ -17,11 +23,11 @@ from pipeclamp_models.law.file import Interval, KrigedShare, LawFile, LocalForm,
 from pipeclamp_models.law.local_form import Kriged
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
-from pipeclamp_system.bands.varied import SHARES, VariedLaw
+from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 
-LEVELS = 7
+LEVELS_OF_A_AND_F = 7
 """Of amplitude and of frequency at which tests are sought."""
-TEMPERATURES = 4
+LEVELS_OF_T = 4
 RIG = TestPlan()
 """What a rig is taken for where nothing tells."""
 
@@ -37,7 +43,7 @@ class LoopTests:
         error: covariance of what the mean of a test's repeats measures about the law, by noise and scatter, N2, shape
             (R, m, m).
         off: changes of what a test measures by the shares by which the law's form is off there, in the order of
-            `SHARES`, N, shape (2, R, m).
+            `SHARE_OF_PARAMETER`, N, shape (2, R, m).
         further: other conditions of the tests, by name.
     """
 
@@ -71,7 +77,7 @@ class LoopTests:
         slopes, error = np.zeros((*deviations.shape, *self.error.shape[:2])), self.error.copy()
         for row in range(len(self)):
             told = [law.form_told(self.conditions(row), one) for one in used]
-            for place, share in enumerate(SHARES.values()):
+            for place, share in enumerate(SHARE_OF_PARAMETER.values()):
                 there = told[0][share][0]
                 alike = np.array([one[share][1] for one in told])
                 direction = there * self.off[place, row]
@@ -136,9 +142,9 @@ def loop_tests(
     """
     profile, file = PROFILES[SINE], law.file
     levels = {
-        "A": np.geomspace(limits.amplitude[0], limits.amplitude[1] / profile.peak_displacement, LEVELS),
-        "f": np.geomspace(limits.frequency[0], limits.frequency[1], LEVELS),
-        "T": np.linspace(*limits.temperature, TEMPERATURES),
+        "A": np.geomspace(limits.amplitude[0], limits.amplitude[1] / profile.peak_displacement, LEVELS_OF_A_AND_F),
+        "f": np.geomspace(limits.frequency[0], limits.frequency[1], LEVELS_OF_A_AND_F),
+        "T": np.linspace(*limits.temperature, LEVELS_OF_T),
     }
     for name, values in levels.items():
         interval = file.range.get(name)
@@ -162,20 +168,20 @@ def _foretold(
     others = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **others})
     force = force_of_equations(equations, own.vector(equations), (own.v_r, own.y_r), motion, derivatives=True)
-    names = [*law.names, *SHARES]
+    names = [*law.names, *SHARE_OF_PARAMETER]
     places = np.array([equations.names.index(name) for name in names], dtype=np.intp)
-    every = harmonic_slopes(force, HARMONICS, places)
+    every = harmonic_slopes(force, HARMONICS_FORETOLD, places)
     count = len(law.names)
-    noise = noise_of(law.file, noise_N, force.force)
-    error = sensor_noise(noise, RIG.rate, motion, every.shape[2]) / REPEATS
+    noise = test_noise(law.file, noise_N, force.force)
+    error = sensor_noise(noise, RIG.rate, motion, every.shape[2]) / RUNS_OF_A_TEST
     runs = law.file.spread.runs if law.file.spread else None
-    for share, direction in zip(SHARES.values(), every[count:], strict=True):
-        scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
+    for share, direction in zip(SHARE_OF_PARAMETER.values(), every[count:], strict=True):
+        scatter = getattr(runs, share) ** 2 / RUNS_OF_A_TEST if runs else 0.0
         error += scatter * direction[:, :, None] * direction[:, None, :]
     return every[:count], error, every[count:], np.asarray(np.abs(force.force).max(axis=1, initial=0.0))
 
 
-def noise_of(file: LawFile, stated: float | None, forces: Array) -> Array:
+def test_noise(file: LawFile, stated: float | None, forces: Array) -> Array:
     """Give the rms noise of the force in tests whose force the law foretells, N, shape (R,).
 
     As stated; else the share of the force that scatters in the law's own tests; else what the virtual rig has.
@@ -220,13 +226,13 @@ def with_tests(file: LawFile, tests: Sequence[Mapping[str, float]]) -> LawFile:
             name: (*values, *(one.get(name, float(np.median(values))) for one in tests))
             for name, values in local.at.items()
         }
-        shares = {share: _with_tests(local, getattr(local, share), tests) for share in SHARES.values()}
+        shares = {share: _with_tests(local, getattr(local, share), tests) for share in SHARE_OF_PARAMETER.values()}
         spread = spread.model_copy(update={"local": LocalForm(at=at, **shares)})
     return file.model_copy(update={"range": wider, "spread": spread})
 
 
 def _with_tests(local: LocalForm, share: KrigedShare, tests: Sequence[Mapping[str, float]]) -> KrigedShare:
-    kriged, variance = Kriged.of(local, share), float(np.median(share.variances)) / REPEATS
+    kriged, variance = Kriged.of(local, share), float(np.median(share.variances)) / RUNS_OF_A_TEST
     return share.model_copy(
         update={
             "shares": (*share.shares, *(kriged.at(one)[0] for one in tests)),

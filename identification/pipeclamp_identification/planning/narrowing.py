@@ -11,7 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
 from pipeclamp_identification.diagnosis.further_test.next_test import away_from
-from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, REPEATS, SINE
+from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, RUNS_OF_A_TEST, SINE
 from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_tests
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UsageError
@@ -25,16 +25,16 @@ from pipeclamp_system.bands.response import BandedSystem, banded_system
 from pipeclamp_system.bands.response import refuse as refuse_bands
 from pipeclamp_system.bands.sensitivity import conditions_at
 from pipeclamp_system.bands.told import PeakBand
-from pipeclamp_system.bands.varied import SHARES, VariedLaw, gaps
+from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw, gaps
 from pipeclamp_system.steady.described import steady_clamps
 from pipeclamp_system.steady.response import Curve, amplitudes_of, label, run_response
 from pipeclamp_system.steady.states import SteadyState
 
 MOST_TESTS = 5
 """That are proposed one after another."""
-WORTH = 0.03
+WORTH_SHARE = 0.03
 """Share of the band's width that a test must take to be worth its rig time."""
-NEARLY = 0.95
+AS_GOOD_SHARE = 0.95
 """A test that narrows by this share of what the best one does is as good: of these the nearest to what was tested."""
 
 
@@ -152,7 +152,7 @@ def plan_tests(
     wanted = max(every, key=lambda one: one.deviation(system.unknown.covariance) / one.amplitude)
     tell("the band as it is")
     before = system.bands(wanted.curve, per_cent).peaks[wanted.point]
-    search = _Search(path, system, wanted, before, per_cent, response.clamp_names)
+    search = _NarrowingSearch(path, system, wanted, before, per_cent, response.clamp_names)
     fields = [search.tests_of(law, limits, noise_N) for law in dict.fromkeys(system.unknown.laws)]
     if not any(len(field) for field, _ in fields):
         said = "; ".join(dict.fromkeys(words for _, words in fields))
@@ -209,7 +209,7 @@ class _Known:
     files: Mapping[VariedLaw, LawFile]
 
 
-class _Search:
+class _NarrowingSearch:
     """The tests that narrow the band of one peak."""
 
     def __init__(
@@ -240,7 +240,7 @@ class _Search:
             told = [self._told_of(field, known) for field in fields]
             left = [self._left(one, known) for one in told]
             place, row = self._best(fields, left, deviation, known)
-            if not left[place].size or 1 - left[place][row] / deviation < WORTH:
+            if not left[place].size or 1 - left[place][row] / deviation < WORTH_SHARE:
                 break
             known = self._after(told[place], row, known)
             found.append(self._told(fields[place], row, known))
@@ -285,7 +285,7 @@ class _Search:
     ) -> tuple[int, int]:
         """Give the field and the row of the best test."""
         lowest = min(float(one.min(initial=np.inf)) for one in left)
-        enough = deviation - NEARLY * (deviation - lowest)
+        enough = deviation - AS_GOOD_SHARE * (deviation - lowest)
         choices = []
         for place, (field, one) in enumerate(zip(fields, left, strict=True)):
             tested = {
@@ -313,7 +313,7 @@ class _Search:
 
     def _told_of(self, field: LoopTests, known: _Known) -> LoopTests:
         """Give tests that tell of a law's form on the pipe too, in the order of `_own`."""
-        places = self._form(field.law).reshape(-1, len(SHARES))
+        places = self._form(field.law).reshape(-1, len(SHARE_OF_PARAMETER))
         if not places.size:
             return field
         used = [self._used(self._unknown.quantities[first].clamps[0]) for first in places[:, 0]]
@@ -335,8 +335,8 @@ class _Search:
         return np.array([*own, *self._form(law)], dtype=np.intp)
 
     def _form(self, law: VariedLaw) -> IntArray:
-        """Give which quantities say how a law's form is off, clamp by clamp, in the order of `SHARES`."""
-        order = list(SHARES)
+        """Give which quantities say how a law's form is off, clamp by clamp, in the order of `SHARE_OF_PARAMETER`."""
+        order = list(SHARE_OF_PARAMETER)
         own = [
             (quantity.clamps[0], order.index(quantity.parameter), place)
             for place, quantity in enumerate(self._unknown.quantities)
@@ -349,7 +349,7 @@ class _Search:
         factors = np.ones(len(covariance))
         for place in self._form(law):
             quantity = self._unknown.quantities[place]
-            used, share = self._used(quantity.clamps[0]), SHARES[quantity.parameter]
+            used, share = self._used(quantity.clamps[0]), SHARE_OF_PARAMETER[quantity.parameter]
             then, now = (getattr(replace(law, file=one).form_at(used), share) for one in (law.file, file))
             factors[place] = now / then if then > 0 else 1.0
         return np.asarray(covariance * np.outer(factors, factors))
@@ -382,5 +382,5 @@ def test_words(test: NextLoopTest) -> str:
     warm = "the temperature of the tests so far" if test.temperature_C is None else f"{test.temperature_C:.3g} degC"
     return (
         f"{PROFILES[SINE].words} of the clamp of {test.law} at {test.amplitude_mm:.3g} mm, {test.frequency_Hz:.3g} Hz, "
-        f"{warm}, {REPEATS} times"
+        f"{warm}, {RUNS_OF_A_TEST} times"
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from pydantic import Field
 
-from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
+from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
 from pipeclamp_identification.planning.narrowing import BandPlan, NextLoopTest
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_system.bands.band import Band
@@ -78,7 +78,7 @@ def _test(test: NextLoopTest) -> LoopTestAnswer:
         amplitude_mm=test.amplitude_mm,
         frequency_Hz=test.frequency_Hz,
         temperature_C=test.temperature_C,
-        repeats=REPEATS,
+        repeats=RUNS_OF_A_TEST,
         peak_mm=_band(test.amplitude),
         peak_Hz=_band(test.frequency),
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 HOURS = 8.0
 """That a campaign may take."""
-SCATTER = 0.003
+SCATTER_BEFOREHAND = 0.003
 """Rms share by which stiffness and damping differ from run to run, where nothing tells."""
 
 

@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_FITTING_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, starting_points
-from pipeclamp_identification.fitting.observations import LoopObservations, harmonics_of
+from pipeclamp_identification.fitting.observations import LoopObservations, real_harmonics_of
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_models.base.arrays import Array
@@ -35,7 +35,7 @@ from pipeclamp_models.realise.motion import Motion
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedCatalogue:
     """What comes of trying the catalogue on tests in which an effect is hidden.
 
     Attributes:
@@ -83,7 +83,7 @@ class Trial:
                 continue
         self._plain = plain.in_units(plain.loops.harmonics[None])
 
-    def of(self, effect: str, law: Law) -> Tried:
+    def of(self, effect: str, law: Law) -> TriedCatalogue:
         """Give what comes of tests of a law with an effect."""
         seen = self._observed(law)
         structure = self._bare.structure
@@ -116,7 +116,7 @@ class Trial:
                 others.append((result.law.structure.effects[-1], result))
         others.sort(key=lambda one: one[1].cost)
         promising = next(name for name in best_first if name != effect)
-        return Tried(found, effect_id(others[0][0]) if others else promising, tuple(others))
+        return TriedCatalogue(found, effect_id(others[0][0]) if others else promising, tuple(others))
 
     def _grown(self, name: str, smaller: Fit, seen: WhitenedObservations) -> Fit:
         """Give the larger members of an effect where each does clearly better."""
@@ -133,6 +133,6 @@ class Trial:
     def _observed(self, law: Law) -> WhitenedObservations:
         force = force_of_law(law, self._motion).force
         harmonics = LoopObservations(
-            self._motion, harmonics_of(force, self._count), self._error, np.ptp(force, axis=1) / 2
+            self._motion, real_harmonics_of(force, self._count), self._error, np.ptp(force, axis=1) / 2
         )
         return WhitenedObservations(harmonics, self._whitener)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, sensor_noise
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD, sensor_noise
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter, directions
 from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import Fit
-from pipeclamp_identification.fitting.observations import harmonic_slopes, harmonics_of, mean_squares_of
+from pipeclamp_identification.fitting.observations import harmonic_slopes, mean_squares_of, real_harmonics_of
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial
 from pipeclamp_identification.planning.seen import lack_of, norms_of
@@ -27,18 +27,18 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations, force_of_law
 from pipeclamp_models.realise.motion import Motion, sinusoids
 
-SAME = 1e-9
+NO_FORCE_SHARE = 1e-9
 """Share of the law's force below which an effect does nothing: rounding."""
-POINTS = 128
+SAMPLES_PER_CYCLE = 128
 """Of the cycle at which laws are evaluated; half of them where the catalogue is tried."""
-TRIED = {"A": 4, "f": 4, "T": 3}
+LEVELS_TRIED = {"A": 4, "f": 4, "T": 3}
 """Levels at which the catalogue is tried on an effect."""
 DOUBLINGS = 6
 """How often an effect's size is doubled until the diagnosis tries it at all."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class RivalEffect:
     """Another effect, refitted to what an effect does.
 
     Attributes:
@@ -69,7 +69,7 @@ class Hidden:
     newtons: float
     tried_from: float
     nearest: str
-    rivals: tuple[Rival, ...]
+    rivals: tuple[RivalEffect, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ def scene(
         progress: told what is being done.
     """
     tell = progress or (lambda what: None)
-    bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], POINTS)
+    bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], SAMPLES_PER_CYCLE)
     force, slopes = _foretold(bare, motion)
     between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, np.zeros_like(force)))
     covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + between_runs
@@ -137,8 +137,8 @@ def scene(
         np.zeros((0, *force.shape)),
     )  # fmt: skip
     few = _few(grid)
-    coarse = sinusoids(grid["A"][few], grid["f"][few], grid["T"][few], POINTS // 2)
-    trial = Trial(bare, coarse, covariance[few], HARMONICS)
+    coarse = sinusoids(grid["A"][few], grid["f"][few], grid["T"][few], SAMPLES_PER_CYCLE // 2)
+    trial = Trial(bare, coarse, covariance[few], HARMONICS_FORETOLD)
     found, does, left = dict[str, Hidden](), list[Array](), list[str]()
     for effect in listed():
         if effect.part == "base":
@@ -149,7 +149,7 @@ def scene(
         except UserError:
             left.append(effect.id)
             continue
-        if float(np.abs(typical).max()) <= SAME * float(np.abs(force).max()):  # it does nothing there
+        if float(np.abs(typical).max()) <= NO_FORCE_SHARE * float(np.abs(force).max()):  # it does nothing there
             left.append(effect.id)
             continue
         found[effect.id], added = _hidden(file, effect.id, typical, empty, trial, motion, force)
@@ -196,7 +196,7 @@ def _hidden(
     return untried
 
 
-def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Scene) -> Rival:
+def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Scene) -> RivalEffect:
     """Give what another effect, refitted, leaves over of harmonics that are seen, N, shape (R, m)."""
     force, slopes = _foretold(fit.law, motion)
     slopes = slopes[fit.places]
@@ -204,7 +204,7 @@ def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Sce
     white = np.linalg.solve(np.linalg.cholesky(view.covariance), np.moveaxis(columns, 0, -1))
     added = {one.name for one in fit.law.structure.effect(name).parameters}
     outside = [place for place, each in enumerate(fit.fitted) if each in added & fit.at_bound.keys()]
-    return Rival(
+    return RivalEffect(
         name, np.einsum("rmk,rml->rkl", white, white), np.array(outside, dtype=np.intp),
         len(fit.law.equations.names) - own,
     )  # fmt: skip
@@ -213,7 +213,7 @@ def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Sce
 def _few(grid: Mapping[str, Array]) -> IntArray:
     """Give the conditions of a grid at some of its levels."""
     chosen = np.ones(len(grid["A"]), dtype=bool)
-    for name, count in TRIED.items():
+    for name, count in LEVELS_TRIED.items():
         levels = np.unique(grid[name])
         some = levels[np.unique(np.round(np.linspace(0, len(levels) - 1, count)).astype(int))]
         chosen &= np.isin(grid[name], some)
@@ -224,13 +224,13 @@ def _foretold(law: Law, motion: Motion) -> tuple[Array, Array]:
     """Give the harmonics of a law's force, N, (R, m), and their derivatives by its parameters, (P, R, m)."""
     equations = law.equations
     force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
-    slopes = harmonic_slopes(force, HARMONICS, np.arange(len(equations.names)))
-    return harmonics_of(force.force, HARMONICS), np.nan_to_num(slopes)
+    slopes = harmonic_slopes(force, HARMONICS_FORETOLD, np.arange(len(equations.names)))
+    return real_harmonics_of(force.force, HARMONICS_FORETOLD), np.nan_to_num(slopes)
 
 
 def _beyond(law: Law, motion: Motion, force: Array) -> Array:
     """Give the harmonics that a law has beyond others, N, shape (R, m)."""
-    return harmonics_of(force_of_law(law, motion).force, HARMONICS) - force
+    return real_harmonics_of(force_of_law(law, motion).force, HARMONICS_FORETOLD) - force
 
 
 def _rms(harmonics: Array) -> float:

@@ -25,7 +25,7 @@ COLUMNS = (
     "ramp_cycles", "duration_s", "wait_min", "start_min", "first_cycle", "drive",
 )  # fmt: skip
 
-Condition = tuple[float, float]
+AmplitudeAndFrequency = tuple[float, float]
 """Amplitude, mm, and frequency, Hz."""
 
 
@@ -70,7 +70,7 @@ class ScheduledRun:
 
 
 def scheduled(
-    conditions: Sequence[Condition], temperatures: Sequence[float], repeats: int, times: RigTimes, seed: int
+    conditions: Sequence[AmplitudeAndFrequency], temperatures: Sequence[float], repeats: int, times: RigTimes, seed: int
 ) -> tuple[ScheduledRun, ...]:
     """Put a campaign's runs in order.
 
@@ -109,8 +109,11 @@ def scheduled(
 
 
 def _block(
-    conditions: Sequence[Condition], reference: Condition, repeats: int, random: np.random.Generator
-) -> list[tuple[str, int, Condition]]:
+    conditions: Sequence[AmplitudeAndFrequency],
+    reference: AmplitudeAndFrequency,
+    repeats: int,
+    random: np.random.Generator,
+) -> list[tuple[str, int, AmplitudeAndFrequency]]:
     told = [("reference", 1, reference)]
     order = random.permutation(len(conditions))
     for repeat in range(1, repeats + 1):
@@ -120,7 +123,7 @@ def _block(
     return [*told, ("reference", 2, reference)]
 
 
-def _middle(conditions: Sequence[Condition]) -> Condition:
+def _middle(conditions: Sequence[AmplitudeAndFrequency]) -> AmplitudeAndFrequency:
     """Give the condition in the middle of all, in octaves."""
     logarithms = np.log(np.array(conditions))
     middle = (logarithms.min(axis=0) + logarithms.max(axis=0)) / 2

@@ -9,15 +9,15 @@ import numpy as np
 from scipy.special import ndtr
 
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
-from pipeclamp_identification.planning.scene import Rival, Scene
+from pipeclamp_identification.planning.scene import RivalEffect, Scene
 from pipeclamp_identification.planning.seen import Lack, lack_of
 from pipeclamp_models.base.arrays import Array, BoolArray
 
 NAMED = 0.9
 """Of the effects of a size, that a plan is to name."""
-SMALLEST = 1e-6
+SMALLEST_SHARE_SOUGHT = 1e-6
 """Share of the law's own force below which no effect is looked for."""
-HALVINGS = 30
+SIZE_HALVINGS = 30
 """Of the range of sizes: the answer is known to a millionth."""
 
 
@@ -55,11 +55,11 @@ class Power:
     def sizes(self) -> Array:
         """Give the rms force, N, from which on each effect is named with a chance of `NAMED`; inf: in no size."""
         low, high = (
-            np.full_like(self.scene.sizes, SMALLEST * self.scene.force),
+            np.full_like(self.scene.sizes, SMALLEST_SHARE_SOUGHT * self.scene.force),
             np.full_like(self.scene.sizes, self.scene.force),
         )
         never = self.chance(high) < NAMED
-        for _ in range(HALVINGS):
+        for _ in range(SIZE_HALVINGS):
             middle = np.sqrt(low * high)
             enough = self.chance(middle) >= NAMED
             low, high = np.where(enough, low, middle), np.where(enough, middle, high)
@@ -75,8 +75,8 @@ class Power:
         """Give the rms force, N, above which `NAMED` of the effects that can be told are named; inf: none can."""
         if not self.told.any():
             return np.inf
-        low, high = SMALLEST * self.scene.force, self.scene.force
-        for _ in range(HALVINGS):
+        low, high = SMALLEST_SHARE_SOUGHT * self.scene.force, self.scene.force
+        for _ in range(SIZE_HALVINGS):
             middle = float(np.sqrt(low * high))
             enough = np.mean(self.chance(middle)[self.told]) >= NAMED
             low, high = (low, middle) if enough else (middle, high)
@@ -103,7 +103,7 @@ def power(scene: Scene, runs: Array) -> Power:
     return Power(scene, lack, away, more, outside)
 
 
-def _apart(rival: Rival, runs: Array) -> tuple[float, float]:
+def _apart(rival: RivalEffect, runs: Array) -> tuple[float, float]:
     """Give the squared standard deviations between an effect and a rival in tests, and those outside its bounds."""
     gram = np.tensordot(runs, rival.gram, axes=1)
     free = np.setdiff1d(np.arange(len(gram) - 1), rival.outside)

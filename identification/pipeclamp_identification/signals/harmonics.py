@@ -17,7 +17,7 @@ from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 POINTS_PER_CYCLE = 160
 POINTS_PER_PERIOD = 8
 # neighbours are equally spaced when no spacing differs by more than this share
-EVEN = 0.01
+EVEN_SHARE = 0.01
 # cycles and harmonics from which on one basis for all cycles takes less time than sums over each
 MANY_CYCLES, MANY_HARMONICS = 16, 4
 # samples lie on a line when none is off it by more than this share of a step, as times printed with few digits do
@@ -100,7 +100,7 @@ def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], c
     if len(bounds) > MANY_CYCLES and count >= MANY_HARMONICS and _on_a_line(phase, step):
         begin = float(phase[0]) + (width - 1) * step / 2
         fitted = _fitted_evenly(begin, width * step, *_in_means(bounds, channels, width), count)
-    elif width > 1 and np.max(np.abs(np.diff(phase) - step)) <= EVEN * step:
+    elif width > 1 and np.max(np.abs(np.diff(phase) - step)) <= EVEN_SHARE * step:
         fitted = _fitted_anywhere(_means(phase, width), *_in_means(bounds, channels, width), count)
     else:
         return _fitted_anywhere(phase, bounds, channels, count)

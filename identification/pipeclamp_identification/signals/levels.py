@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, IntArray
 
-MOST = 10
+MOST_SET_POINTS = 10
 """More set points than this are shown as classes."""
 CLASSES = 6
 SPREAD = 3.0
@@ -20,11 +20,11 @@ SAME_SHARE, SAME_KELVIN = 0.05, 5.0
 """Conditions closer than this share of each other, and temperatures closer than this, count as the same where tests are
 counted or grouped by them: drives never hit their set points."""
 
-RESOLVED = 0.02
+SET_POINT_WIDTH = 0.02
 """Share of the step within which values are at one set point, to which it is told: 0.1 °C of 5, no -0.076."""
 
-VARIES = {"A": 0.05}
-VARIES_OTHERWISE = 0.02
+VARIED_SHARES = {"A": 0.05}
+VARIED_SHARE = 0.02
 """A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
 by a few percent."""
 LEVELS_APART = 0.04
@@ -57,7 +57,7 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         relative, absolute: neighbouring values that differ by no more than this share, and by no more than this,
             belong to one set point.
     """
-    told = RESOLVED * absolute if math.isfinite(absolute) else 0.0
+    told = SET_POINT_WIDTH * absolute if math.isfinite(absolute) else 0.0
     known = np.flatnonzero(np.isfinite(values))
     order = known[np.argsort(values[known], kind="stable")]
     rising = values[order]
@@ -66,18 +66,18 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         step = np.minimum(step, relative * np.abs(rising))
     groups = np.split(np.arange(len(order)), np.flatnonzero(np.diff(rising) > step[1:]) + 1) if len(order) else []
     wide = any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups)
-    if wide or len(groups) > MOST:
+    if wide or len(groups) > MOST_SET_POINTS:
         edges = np.unique(np.quantile(rising, np.arange(1, CLASSES) / CLASSES))
         groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
         groups = [group for group in groups if len(group)]
         ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])
-        texts = distinct(_rounded(ends.ravel(), told))
+        texts = distinct_texts(_rounded(ends.ravel(), told))
         found = [
             Level(low if low == high else f"{low} to {high}", low, high, order[group])
             for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
         ]
     else:
-        texts = distinct(_rounded(np.array([np.mean(rising[group]) for group in groups]), told))
+        texts = distinct_texts(_rounded(np.array([np.mean(rising[group]) for group in groups]), told))
         found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
 
@@ -103,7 +103,7 @@ def _unknown(rows: IntArray) -> tuple[Level, ...]:
     return (Level("not known", "", "", rows, known=False),) if len(rows) else ()
 
 
-def distinct(values: Array) -> list[str]:
+def distinct_texts(values: Array) -> list[str]:
     """Give numbers as text, with as few digits (two at least) as keep different ones apart."""
     different = len(np.unique(values))
     for digits in range(2, MOST_DIGITS):
@@ -119,7 +119,7 @@ def _rounded(values: Array, step: float) -> Array:
 
 def varies(signal: str, values: Array) -> bool:
     """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
-    share = VARIES.get(signal, VARIES_OTHERWISE)
+    share = VARIED_SHARES.get(signal, VARIED_SHARE)
     return bool(np.ptp(values) > share * np.max(np.abs(values)))
 
 

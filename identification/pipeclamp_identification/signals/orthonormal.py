@@ -6,11 +6,11 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-SMALLEST = 1e-8
+ROUNDING_SHARE = 1e-8
 """Directions with a smaller share of the largest singular value are rounding."""
 
 
-def orthonormal(columns: Array, smallest: float = SMALLEST) -> Array:
+def orthonormal(columns: Array, smallest: float = ROUNDING_SHARE) -> Array:
     """Give an orthonormal basis of what columns span.
 
     Args:

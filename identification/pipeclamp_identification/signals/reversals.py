@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
-POINTS = 512
+PLACES_PER_CYCLE = 512
 """Points of the cycle between which reversals are looked for."""
 
 
@@ -113,11 +113,11 @@ def _phases_of_reversals(displacement: ComplexArray) -> Array:
     following = np.roll(velocity, -1)
     crossing = np.flatnonzero((velocity >= 0) != (following >= 0))
     share = velocity[crossing] / (velocity[crossing] - following[crossing])
-    return np.asarray((crossing + share) * (2 * np.pi / POINTS))
+    return np.asarray((crossing + share) * (2 * np.pi / PLACES_PER_CYCLE))
 
 
 @cache
 def _phasors(count: int) -> ComplexArray:
-    """Return exp(i n theta) of `count` harmonics at the points of the cycle, shape (count, POINTS)."""
-    theta = 2 * np.pi * np.arange(POINTS) / POINTS
+    """Return exp(i n theta) of `count` harmonics at the points of the cycle, shape (count, PLACES_PER_CYCLE)."""
+    theta = 2 * np.pi * np.arange(PLACES_PER_CYCLE) / PLACES_PER_CYCLE
     return np.asarray(np.exp(1j * np.outer(np.arange(count), theta)))

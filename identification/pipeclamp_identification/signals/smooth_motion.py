@@ -8,13 +8,13 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
-EVEN = 0.01
+EVEN_SHARE = 0.01
 """Share of a step by which times may miss an even grid: clocks are written with a few digits."""
-FINER = 4
+TIMES_SAMPLES = 4
 """An uneven record is put on a grid of its usual step, of at most so many times its own samples."""
 TRIED = 60
 """Cut-offs that are tried, so many over all orders: neighbours differ little in what they leave."""
-SURE = 3.0
+MOTION_STANDARD_ERRORS = 3.0
 """Standard errors below which a velocity is no motion."""
 
 
@@ -56,8 +56,8 @@ def smooth_motion(time: Array, displacement: Array) -> SmoothMotion:
     The straight line between its ends aside, the motion is a series of sines (no jump and no corner at the ends, also
     where it begins or ends in motion), each left by 1/(1 + (k/K)^4), as a cubic smoothing spline leaves it. K has the
     least generalised cross-validation: the error that each sample would be predicted with from the others (Craven and
-    Wahba, Numerische Mathematik 31, 1979). Velocities within `SURE` standard errors of 0 fade to 0: in a record's quiet
-    parts noise has no direction.
+    Wahba, Numerische Mathematik 31, 1979). Velocities within `MOTION_STANDARD_ERRORS` of 0 fade to 0: in a
+    record's quiet parts noise has no direction.
 
     Args:
         time: s, not falling, shape (N,), N >= 4.
@@ -81,7 +81,7 @@ def smooth_motion(time: Array, displacement: Array) -> SmoothMotion:
     length = 2.0 * (points - 1)
     v = back(1j * omega) + slope
     v_error = float(np.sqrt(2 * noise * np.sum((omega * gain) ** 2))) / length
-    v = v * np.maximum(1 - (SURE * v_error / np.maximum(np.abs(v), 1e-300)) ** 2, 0.0)
+    v = v * np.maximum(1 - (MOTION_STANDARD_ERRORS * v_error / np.maximum(np.abs(v), 1e-300)) ** 2, 0.0)
     noise_mm = float(np.sqrt(2 * noise * len(order))) / length
     return SmoothMotion(grid, line + back(np.ones_like(omega)), v, back(-(omega**2)), noise_mm)
 
@@ -90,10 +90,10 @@ def _on_grid(time: Array, displacement: Array) -> tuple[Array, Array]:
     """Give an even grid and the displacement on it."""
     count = len(time)
     even = np.linspace(time[0], time[-1], count)
-    if np.max(np.abs(time - even)) <= EVEN * (even[1] - even[0]):
+    if np.max(np.abs(time - even)) <= EVEN_SHARE * (even[1] - even[0]):
         return even, displacement
     usual = float(np.median(np.diff(time)))
-    shortest = float(even[1] - even[0]) / FINER
+    shortest = float(even[1] - even[0]) / TIMES_SAMPLES
     points = round(float(time[-1] - time[0]) / max(usual, shortest)) + 1
     grid = np.linspace(time[0], time[-1], max(points, count))
     return grid, np.interp(grid, time, displacement)
@@ -120,7 +120,7 @@ def _smoothing(order: Array, power: Array) -> tuple[Array, float]:
     count = len(order)
     fourth = (order / count) ** 4
     best = (np.inf, np.ones(count), 0.0)
-    for cut in np.geomspace(1.0 / count, FINER, TRIED):
+    for cut in np.geomspace(1.0 / count, TIMES_SAMPLES, TRIED):
         gain = 1 / (1 + fourth / cut**4)
         lost = 1 - gain
         left, free = float(np.sum(lost**2 * power)), float(np.sum(lost))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,20 +50,27 @@ ROUND = 5.0
 NEARLY = 0.3
 
 
+class StatedAndShown(NamedTuple):
+    """A setting as it was stated, None where it wasn't, and as the record shows it; nan without a channel that does."""
+
+    stated: float | None
+    shown: float
+
+
 @dataclass(frozen=True)
 class ShownRun:
-    """What is stated of a run, None where it isn't, and what its record shows.
+    """What is stated of a run, and what its record shows.
 
     Attributes:
-        amplitude_mm, frequency_Hz, temperature_C: (stated, shown) each; the shown temperature is nan without channel.
+        amplitude_mm, frequency_Hz, temperature_C: its settings.
         stiffness: dynamic, N/mm.
         step_s: usual step of the record's time.
     """
 
     run: str
-    amplitude_mm: tuple[float | None, float]
-    frequency_Hz: tuple[float | None, float]
-    temperature_C: tuple[float | None, float]
+    amplitude_mm: StatedAndShown
+    frequency_Hz: StatedAndShown
+    temperature_C: StatedAndShown
     stiffness: float
     step_s: float
 
@@ -92,7 +100,7 @@ def contradicted_units(runs: Sequence[ShownRun]) -> str:
     return _contradicted_temperatures([run.temperature_C for run in runs])
 
 
-def _ratio(settings: Sequence[tuple[float | None, float]], meant: dict[float, str]) -> tuple[float, str, int] | None:
+def _ratio(settings: Sequence[StatedAndShown], meant: dict[float, str]) -> tuple[float, str, int] | None:
     """Give the factor between units that all settings show; None where there is none."""
     ratios = np.array([shown / stated for stated, shown in settings if stated])
     if len(ratios) < FEWEST:
@@ -103,7 +111,7 @@ def _ratio(settings: Sequence[tuple[float | None, float]], meant: dict[float, st
     return None
 
 
-def _contradicted_temperatures(settings: Sequence[tuple[float | None, float]]) -> str:
+def _contradicted_temperatures(settings: Sequence[StatedAndShown]) -> str:
     pairs = np.array([(stated, shown) for stated, shown in settings if stated is not None and math.isfinite(shown)])
     if not len(pairs):
         return ""
@@ -127,8 +135,8 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
     if not runs:
         return ()
     stiffness = float(np.median([run.stiffness for run in runs]))
-    amplitude = float(np.median([run.amplitude_mm[1] for run in runs]))
-    frequency = float(np.median([run.frequency_Hz[1] for run in runs]))
+    amplitude = float(np.median([run.amplitude_mm.shown for run in runs]))
+    frequency = float(np.median([run.frequency_Hz.shown for run in runs]))
     step = float(np.median([run.step_s for run in runs]))
     found = []
     if stiffness < SOFTEST and stiffness * amplitude < WEAKEST:
@@ -147,7 +155,9 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
         found.append(f"the time is likely in ms, not s (factor 0.001): {frequency:.3g} Hz, a sample every {step:.3g} s")
     elif frequency > FASTEST:
         found.append(f"the time is likely not in s: {frequency:.4g} Hz")
-    known = np.array([run.temperature_C[0] for run in runs if run.temperature_C[0] is not None], dtype=np.float64)
+    known = np.array(
+        [run.temperature_C.stated for run in runs if run.temperature_C.stated is not None], dtype=np.float64
+    )
     return (*found, *_unlikely_temperatures(np.unique(known)))
 
 

@@ -60,7 +60,7 @@ BARE: Mapping[str, Quantity] = {
     **dict.fromkeys(("н", "кн", "кгс"), "force"),
 }
 """Units that stand at the end of a name without brackets, in lower case, and what they are of."""
-SAME = 2e-3
+SAME_FACTOR_SHARE = 2e-3
 """A factor agrees with a unit where it differs by no more than its rounding does: 9.81 for 9.80665 is 3e-4 off."""
 
 BRACKETED = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$", re.DOTALL)
@@ -162,7 +162,7 @@ def stated_conversion(quantity: Quantity, name: str, factor: float | None) -> Co
         return Conversion(1.0 if factor is None else factor)
     if factor is None:
         return found
-    if abs(abs(factor) - abs(found.factor)) > SAME * abs(found.factor):
+    if abs(abs(factor) - abs(found.factor)) > SAME_FACTOR_SHARE * abs(found.factor):
         raise ValueError(
             f"{name!r} states {unit}, which turns into {OURS[quantity]} by {found.factor:.6g}; got factor {factor:g}; "
             "expected that one, or none: the unit in the name counts"

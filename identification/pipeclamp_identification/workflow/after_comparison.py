@@ -9,13 +9,10 @@ from pipeclamp_identification.diagnosis.further_test.limits import Limits, limit
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_RUNS
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.workflow.along_free import along_free
-from pipeclamp_identification.workflow.next_command import stem_of
+from pipeclamp_identification.workflow.next_command import PLANNED, stem_of
 from pipeclamp_identification.workflow.tests import Held
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.base.units import CELSIUS
-
-PLANNED = "planned"
-"""What the folder of a campaign that is planned is called, where nobody has named it."""
 
 
 def after_comparison(law: str, tests: str, held: Held) -> str:

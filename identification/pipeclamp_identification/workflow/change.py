@@ -11,7 +11,7 @@ from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import HistoryStep, Kind, LawFile, law_of, stage_of, structure_of
+from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import LawStep
@@ -48,7 +48,7 @@ def add_effect(
     command: str,
     date: str | None,
     declared: Iterable[Declaration] = (),
-    kind: Kind | None = None,
+    kind: NamedKind | None = None,
     start: Mapping[str, float] | None = None,
     instead: Collection[str] = (),
     progress: Progress = silent,
@@ -178,7 +178,7 @@ def exchange(
     else:
         step = LawStep(base=structure.base, alone=bool(file.effects) and not structure.effects)
     of_parts = any(name not in structure.effects for name in parts_of(file))
-    kind: Kind | None = "part" if of_parts else None
+    kind: NamedKind | None = "part" if of_parts else None
     return _changed(file, structure, step, tests, command=command, date=date, kind=kind, progress=progress)
 
 
@@ -190,7 +190,7 @@ def _changed(
     *,
     command: str,
     date: str | None,
-    kind: Kind | None = None,
+    kind: NamedKind | None = None,
     start: Mapping[str, float] | None = None,
     progress: Progress,
 ) -> LawChange:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
@@ -23,7 +23,7 @@ from pipeclamp_identification.workflow.change import (
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import InVain, Kind, LastDiagnosis, LawFile
+from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind
 from pipeclamp_models.law.law import Structure, find_base
 from pipeclamp_models.law.range import rounded
 
@@ -42,7 +42,7 @@ class Rung:
     """
 
     change: LawChange
-    kind: Kind | Literal["revision"]
+    kind: NamedKind | Literal["revision"]
     words: tuple[str, ...]
 
     def said(self) -> str:
@@ -110,12 +110,15 @@ class Turn:
     share: float
 
 
-Made = tuple[str, frozenset[str]]
-"""What a law is made of: base, and effects in whatever order."""
+class MadeOf(NamedTuple):
+    """What a law is made of: base, and effects in whatever order."""
+
+    base: str
+    effects: frozenset[str]
 
 
 @dataclass(frozen=True)
-class Way:
+class WayUp:
     """A way up.
 
     Attributes:
@@ -126,7 +129,7 @@ class Way:
 
     settled: Settled | None
     turns: tuple[Turn, ...]
-    met: frozenset[Made]
+    met: frozenset[MadeOf]
 
 
 @dataclass(frozen=True)
@@ -148,8 +151,8 @@ class Climber:
         file: LawFile,
         ladder: tuple[Rung, ...] = (),
         gone: Gone = MappingProxyType({}),
-        before: frozenset[Made] = frozenset(),
-    ) -> Way:
+        before: frozenset[MadeOf] = frozenset(),
+    ) -> WayUp:
         """Diagnose and add until nothing helps.
 
         Args:
@@ -158,11 +161,11 @@ class Climber:
             before: laws that other ways came by.
         """
         turns: tuple[Turn, ...] = ()
-        met: frozenset[Made] = frozenset()
+        met: frozenset[MadeOf] = frozenset()
         while True:
-            made = file.base, frozenset(file.effects)
+            made = MadeOf(file.base, frozenset(file.effects))
             if made in before:
-                return Way(None, turns, met)
+                return WayUp(None, turns, met)
             met |= {made}
             if ladder:
                 self.climbed(file, ladder)
@@ -177,7 +180,7 @@ class Climber:
                 whole = found.verdict == "complete" and len(ladder) < self.most
                 simpler = self._with_something_simpler(file) if whole else None
                 if simpler is None:
-                    return Way(Settled(file, found, ladder, went), turns, met)
+                    return WayUp(Settled(file, found, ladder, went), turns, met)
                 ladder, file = (*ladder, simpler), simpler.change.after
                 continue
             tried = self._until_one_helps(file, found, gone)
@@ -192,12 +195,12 @@ class Climber:
                 self.seen(found, file)
                 rung = self._with_something_exchanged(file)
                 if rung is None:
-                    return Way(Settled(file, found, ladder, in_vain), turns, met)
+                    return WayUp(Settled(file, found, ladder, in_vain), turns, met)
                 ladder = (*ladder, rung)
                 name, having = rung.change.step.effect, str(rung.change.step)
             file, ladder, gone = self._without_spares(ladder, gone, name, having)
 
-    def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> Way:
+    def climb_from(self, turn: Turn, ended: float, before: frozenset[MadeOf]) -> WayUp:
         """Add the other effect at a turn, and go on from there.
 
         Args:
@@ -233,7 +236,7 @@ class Climber:
         return tried
 
     def _added(
-        self, file: LawFile, effects: Sequence[str], kind: Kind, start: Mapping[str, float] | None = None
+        self, file: LawFile, effects: Sequence[str], kind: NamedKind, start: Mapping[str, float] | None = None
     ) -> list[LawChange]:
         return add_effects(
             file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
@@ -309,7 +312,7 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]
     ]
 
 
-def _kind(found: Diagnosed) -> Kind:
+def _kind(found: Diagnosed) -> NamedKind:
     """Say how what is added is meant: the best of several isn't proved by being taken."""
     return "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
 

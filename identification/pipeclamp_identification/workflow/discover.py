@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
-from pipeclamp_identification.discovery.proposal import Proposal, refused, renamed, with_fitted
+from pipeclamp_identification.discovery.proposal import TermProposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
 from pipeclamp_identification.workflow.change import add_effect, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -26,7 +26,7 @@ def discover(
     declared: Iterable[Declaration] = (),
     jobs: int = 1,
     progress: Progress = silent,
-) -> Proposal:
+) -> TermProposal:
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
     Effects that the law does as well without, now that it has the term, go: a part may have stood for it.
@@ -48,7 +48,7 @@ def discover(
     found = search(file, tests.sines, tests.loops, declared=declared, jobs=jobs, progress=progress)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
-    proposal = Proposal(found, file, None, None, noise, None, guards, found.reason, ())
+    proposal = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
     if found.found is None or not found.found.passed:
         return proposal
     progress("refit with the term to all tests")
@@ -75,4 +75,4 @@ def discover(
     law = law.model_copy(update={"declared": (*others, declaration)})
     heldout = (before, steps[-1].heldout[1])
     gone = (*found.found.gone, *(change.step.effect for change in steps[1:]))
-    return Proposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)
+    return TermProposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)

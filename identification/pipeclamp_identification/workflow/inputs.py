@@ -47,9 +47,9 @@ def _tested(folder: Path) -> list[str]:
 
 def _measured(folder: Path) -> list[str]:
     # Pipes are loaded for what was measured on them alone.
-    from pipeclamp_identification.on_pipe.measurement import FILE_NAME, read_description
+    from pipeclamp_identification.on_pipe.measurement import FILE_NAME, read_measurement_description
 
-    _, described = read_description(folder)
+    _, described = read_measurement_description(folder)
     tables = [
         *(entry.file for entry in described.responses),
         *(entry.file for entry in described.sines),

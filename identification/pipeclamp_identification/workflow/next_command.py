@@ -11,6 +11,8 @@ from pipeclamp_models.base.shell import shell_line
 
 NEXT_TEST = "next_test"
 """What the next test's drive signal and its campaign are called, where nobody has named them."""
+PLANNED = "planned"
+"""What the folder of a campaign that is planned is called, where nobody has named it."""
 
 
 def next_command(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePath
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
-from pipeclamp_identification.workflow.next_command import NEXT_TEST
+from pipeclamp_identification.workflow.next_command import NEXT_TEST, PLANNED
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import shell_line
@@ -20,8 +20,6 @@ from pipeclamp_system.steady.response import FrequencyResponse
 from pipeclamp_system.study.case import TRUSTED
 from pipeclamp_system.study.description import Study
 
-PLANNED = "planned"
-"""What the folder of a campaign that is planned is called, where nobody has named it."""
 BANDS = "95"
 """Per cent that bands hold where nobody has said how many."""
 

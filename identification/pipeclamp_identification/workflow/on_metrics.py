@@ -14,8 +14,8 @@ from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.fitting.least_squares import TOLERANCE, Fit
-from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, Fit
+from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.law import (
     MetricComparison,
     compare_metrics,
@@ -24,7 +24,7 @@ from pipeclamp_identification.metrics_only.law import (
     rms,
 )
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
-from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -122,7 +122,7 @@ class MetricTests:
         """Give the metrics, see `Tests.metrics`."""
         return self.campaign
 
-    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> RefittedLaw:
         """Refit a law with another structure, see `Tests.refit`; the scatter is the one that was expected."""
         from pipeclamp_identification.metrics_only.evidence import heldout_error
 
@@ -130,14 +130,14 @@ class MetricTests:
         observations = metric_observations(self.campaign)
         before = compare_metrics(file, self.campaign).nrmse
         progress("refit")
-        result = fit_to_metrics(structure, observations, start, TOLERANCE, progress)
+        result = fit_to_metrics(structure, observations, start, FIT_TOLERANCE, progress)
         progress("error on left-out conditions")
         heldout = (
             heldout_error(law.structure, observations, law.values),
             heldout_error(structure, observations, result.law.values),
         )
         after = rms(observations.logs(result.law_force.force))
-        return Refitted(FittedToMetrics(self.campaign, result), (before, after), heldout, SCATTER)
+        return RefittedLaw(FittedToMetrics(self.campaign, result), (before, after), heldout, SCATTER_BEFOREHAND)
 
     def diagnose(
         self,

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.seen import LeftOut
@@ -17,7 +17,7 @@ from pipeclamp_identification.fitting.identify import Identification, Method, fi
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw, silent
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -27,18 +27,23 @@ from pipeclamp_models.law.range import rounded
 
 if TYPE_CHECKING:
     from pipeclamp_identification.comparison.compare import Comparison
-    from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+    from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_identification.diagnosis.problem import Prepared
-    from pipeclamp_identification.diagnosis.revision import Asked
+    from pipeclamp_identification.diagnosis.revision import RevisedLaw
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 
-Known = tuple[Structure, tuple[tuple[str, float], ...]]
-"""A law as its file holds it: structure, and values by name."""
 
+class KnownLaw(NamedTuple):
+    """A law as its file holds it, to find by it what is known of the law."""
 
-def _known(structure: Structure, values: Mapping[str, float]) -> Known:
-    return structure, tuple((name, rounded(value)) for name, value in sorted(values.items()))
+    structure: Structure
+    values: tuple[tuple[str, float], ...]
+
+    @classmethod
+    def of(cls, structure: Structure, values: Mapping[str, float]) -> KnownLaw:
+        """Give a law by its parameters' values, rounded as in a file."""
+        return cls(structure, tuple((name, rounded(value)) for name, value in sorted(values.items())))
 
 
 @dataclass(frozen=True)
@@ -81,12 +86,12 @@ class RecordTests:
         return loop_observations(self.loops)
 
     @cached_property
-    def _left_out_errors(self) -> dict[Known, float]:
+    def _left_out_errors(self) -> dict[KnownLaw, float]:
         """Errors of laws on left-out conditions: a ladder's next step begins with the law that the last one made."""
         return {}
 
     @cached_property
-    def _prepared(self) -> dict[Known, Prepared]:
+    def _prepared(self) -> dict[KnownLaw, Prepared]:
         """The last law that was fitted for a diagnosis, or for asking it again: the other follows."""
         return {}
 
@@ -179,7 +184,7 @@ class RecordTests:
 
         return as_metrics(self.sines, self.loops)
 
-    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> RefittedLaw:
         """Refit a law with another structure, see `Tests.refit`."""
         law, sines = law_of(file), self.sines
         observations = self.observations
@@ -191,10 +196,10 @@ class RecordTests:
         progress("error on left-out conditions")
         heldout = (self._left_out_error(law), self._left_out_error(result.law))
         fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
-        return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
+        return RefittedLaw(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
 
     def _left_out_error(self, law: Law) -> float:
-        known = _known(law.structure, law.values)
+        known = KnownLaw.of(law.structure, law.values)
         if known not in self._left_out_errors:
             self._left_out_errors[known] = refitted_nrmse(law, self.loops, self.observations)
         return self._left_out_errors[known]
@@ -202,7 +207,7 @@ class RecordTests:
     def _prepared_for(self, structure: Structure, values: Mapping[str, float]) -> Prepared:
         from pipeclamp_identification.diagnosis.problem import prepare
 
-        known = _known(structure, values)
+        known = KnownLaw.of(structure, values)
         if known not in self._prepared:
             self._prepared.clear()
             self._prepared[known] = prepare(structure, self.loops, values)
@@ -216,7 +221,7 @@ class RecordTests:
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,
-    ) -> Diagnosed:
+    ) -> RecordDiagnosed:
         """Find which effect a law lacks, see `Tests.diagnose`."""
         from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 
@@ -248,7 +253,7 @@ class RecordTests:
 
         return better_structures(self._asked(file), progress)
 
-    def _asked(self, file: LawFile) -> Asked:
+    def _asked(self, file: LawFile) -> RevisedLaw:
         from pipeclamp_identification.diagnosis.revision import ask_again
 
         law = law_of(file)

@@ -13,9 +13,9 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 
-FEWEST_RUNS = 4
+FEWEST_RUNS_OF_A_GROUP = 4
 """Fewer runs can't show how a law follows amplitude, frequency and temperature."""
-LONGEST = 60
+LONGEST_FILE_NAME = 60
 """Letters of a file's name."""
 
 
@@ -52,10 +52,10 @@ def identify_per(
     """
     groups, declared = tests.per(column), tuple(declared)
     counts = {name: len(own.metrics().runs) for name, own in groups.items()}
-    if few := [f"{name} ({count})" for name, count in counts.items() if count < FEWEST_RUNS]:
+    if few := [f"{name} ({count})" for name, count in counts.items() if count < FEWEST_RUNS_OF_A_GROUP]:
         raise UserError(
-            f"column {column!r}: too few runs of {', '.join(few)}; expected at least {FEWEST_RUNS} of each: test "
-            "more, or take their rows out of runs.csv"
+            f"column {column!r}: too few runs of {', '.join(few)}; expected at least {FEWEST_RUNS_OF_A_GROUP} of each: "
+            "test more, or take their rows out of runs.csv"
         )
     laws = []
     for (name, own), stem in zip(groups.items(), stems(list(groups)), strict=True):
@@ -75,7 +75,7 @@ def stems(names: Sequence[str]) -> list[str]:
     taken: set[str] = set()
     found = []
     for name in names:
-        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:LONGEST] or "group"
+        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:LONGEST_FILE_NAME] or "group"
         stem = plain if PLAIN.fullmatch(plain) else f"{plain}_"
         while stem.casefold() in taken:
             stem += "_"

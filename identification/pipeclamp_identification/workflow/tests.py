@@ -94,7 +94,7 @@ class Identified(Protocol):
 
 
 @dataclass(frozen=True)
-class Refitted:
+class RefittedLaw:
     """A law refitted with another structure.
 
     Attributes:
@@ -185,7 +185,7 @@ class Tests(Protocol):
     def metrics(self) -> MetricCampaign:
         """Give the loops by their metrics alone: what a table in a paper would have kept of them."""
 
-    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> RefittedLaw:
         """Refit a law with another structure.
 
         Args:

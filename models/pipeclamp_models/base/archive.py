@@ -11,9 +11,9 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_no_file
 
-MOST_BYTES = 1_000_000_000
+MOST_ARCHIVE_BYTES = 1_000_000_000
 """Of all files of an archive, unpacked."""
-MOST_FILES = 100_000
+MOST_ARCHIVE_FILES = 100_000
 MOST_TIMES, FEW_BYTES = 300, 1_000_000
 """Bytes for each byte of the archive, and those of any: zeros shrink a thousandfold, but no text, number or program."""
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -92,10 +92,10 @@ def _refuse_unfit(path: Path, entries: list[zipfile.ZipInfo], expected: str) -> 
         raise UserError(
             f"{path}: would unpack to {size / 1e6:.3g} MB, {size / packed:.0f} times its size; expected {expected}"
         )
-    if size > MOST_BYTES or len(entries) > MOST_FILES:
+    if size > MOST_ARCHIVE_BYTES or len(entries) > MOST_ARCHIVE_FILES:
         raise UserError(
-            f"{path}: would unpack to {size / 1e9:.3g} GB in {len(entries)} files, at most {MOST_BYTES / 1e9:g} GB in "
-            f"{MOST_FILES} can be taken; expected {expected}"
+            f"{path}: would unpack to {size / 1e9:.3g} GB in {len(entries)} files, "
+            f"at most {MOST_ARCHIVE_BYTES / 1e9:g} GB in {MOST_ARCHIVE_FILES} can be taken; expected {expected}"
         )
     for entry in entries:
         if entry.flag_bits & 0x1:

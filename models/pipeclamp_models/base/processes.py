@@ -10,7 +10,7 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
-MOST = 8
+MOST_PROCESSES = 8
 """Processes that are begun at once: each holds libraries of its own, some 0.2 GB."""
 
 
@@ -18,7 +18,7 @@ def cores() -> int:
     """Give how many processes this machine has use for."""
     import joblib
 
-    return min(int(joblib.cpu_count()), MOST)
+    return min(int(joblib.cpu_count()), MOST_PROCESSES)
 
 
 def spare_cores() -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-LONGEST = 289
+LONGEST_LINE = 289
 """Characters of a line of a message, at most: 300 with the program's name before it."""
 MOST_LINES = 40
 """Lines of a message, at most: one, and what it lists."""
@@ -58,11 +58,11 @@ def message(text: str) -> str:
 
 def _fitted(line: str) -> str:
     place, colon, rest = line.partition(": ")
-    if len(line) > LONGEST and colon and ("/" in place or "\\" in place) and len(place) > END_OF_PLACE:
+    if len(line) > LONGEST_LINE and colon and ("/" in place or "\\" in place) and len(place) > END_OF_PLACE:
         # a line of a list stays one
         cut = line[: len(line) - len(line.lstrip())] + CUT.lstrip()
-        left = max(LONGEST - len(cut) - len(colon + rest), END_OF_PLACE)
+        left = max(LONGEST_LINE - len(cut) - len(colon + rest), END_OF_PLACE)
         line = cut + place[-left:] + colon + rest
-    if len(line) <= LONGEST:
+    if len(line) <= LONGEST_LINE:
         return line
-    return line[: LONGEST - ENDING - len(CUT)] + CUT + line[-ENDING:]
+    return line[: LONGEST_LINE - ENDING - len(CUT)] + CUT + line[-ENDING:]

@@ -13,13 +13,13 @@ from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.files import read_text
 from pipeclamp_models.base.units import CELSIUS
 
-SMALLEST, LARGEST = 1e-12, 1e15
+SMALLEST_QUANTITY, LARGEST_QUANTITY = 1e-12, 1e15
 """No quantity is nearer to zero or larger, in any unit; powers and products of such stay numbers."""
 
 
 def _of_some_size(value: float) -> float:
-    if value and not SMALLEST <= abs(value) <= LARGEST:
-        raise ValueError(f"expected 0, or a size between {SMALLEST:g} and {LARGEST:g}")
+    if value and not SMALLEST_QUANTITY <= abs(value) <= LARGEST_QUANTITY:
+        raise ValueError(f"expected 0, or a size between {SMALLEST_QUANTITY:g} and {LARGEST_QUANTITY:g}")
     return value
 
 
@@ -28,21 +28,21 @@ Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Celsius = Annotated[Number, Field(gt=-CELSIUS)]
 """A temperature in degC."""
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
+ShortName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 """A name that FMU variables and table columns can carry."""
 
-DEEPEST = 30
+MOST_LEVELS = 30
 """Levels of tables and lists in one another; no description has more than a few."""
 
 VARIANT = "("
 """What the tag of a union's variant begins with, so that it stays out of the place that an error names."""
 
 
-MOST_NAMED = 20
+MOST_NAMES_LISTED = 20
 """Known names that an error lists."""
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """What all tables share: keys that aren't known are refused, values don't change once read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
@@ -57,14 +57,14 @@ class Table(BaseModel):
         return data
 
 
-Model = TypeVar("Model", bound=Table)
+Model = TypeVar("Model", bound=TomlTable)
 Found = TypeVar("Found")
 
 
 def unknown(name: str, known: list[str], kind: str) -> str:
     """Say that a name isn't known, which one was probably meant, and which there are."""
-    expected = ", ".join(known[:MOST_NAMED]) if known else "none"
-    more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
+    expected = ", ".join(known[:MOST_NAMES_LISTED]) if known else "none"
+    more = f" and {len(known) - MOST_NAMES_LISTED} more" if len(known) > MOST_NAMES_LISTED else ""
     return f"{kind} {_short(repr(name), 60)} is not known; {did_you_mean(name, known)}expected {expected}{more}"
 
 
@@ -115,20 +115,20 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
         raise UserError(f"{where}: not valid TOML: {error}") from error
     except (ValueError, RecursionError) as error:  # integers of thousands of digits; tables within tables
         raise UserError(f"{where}: not valid TOML: a number or a nesting is too large") from error
-    if _depth(content) > DEEPEST:
-        raise UserError(f"{where}: tables or lists are nested deeper than {DEEPEST} levels; expected plain tables")
+    if _depth(content) > MOST_LEVELS:
+        raise UserError(f"{where}: tables or lists are nested deeper than {MOST_LEVELS} levels; expected plain tables")
     return content
 
 
 def _depth(content: Mapping[str, Any]) -> int:
-    """Count the levels of tables and lists, one more than DEEPEST where there are still more."""
+    """Count the levels of tables and lists, one more than MOST_LEVELS where there are still more."""
     level: list[Any] = [content]
-    for depth in range(DEEPEST + 1):
+    for depth in range(MOST_LEVELS + 1):
         if not level:
             return depth
         inside = (one.values() if isinstance(one, dict) else one for one in level)
         level = [one for entries in inside for one in entries if isinstance(one, dict | list)]
-    return DEEPEST + 1
+    return MOST_LEVELS + 1
 
 
 def validated(content: Any, model: type[Model], where: str) -> Model:

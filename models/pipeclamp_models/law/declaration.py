@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION, Role
-from pipeclamp_models.base.toml_file import LARGEST, Number, Table
+from pipeclamp_models.base.toml_file import LARGEST_QUANTITY, Number, TomlTable
 
 
 def _free_symbol(name: str) -> str:
@@ -28,8 +28,8 @@ def _number_or_text(value: Any) -> Any:
         raise ValueError("expected a number or an expression in quotes")
     if isinstance(value, str):
         return value
-    if not abs(value) <= LARGEST:
-        raise ValueError(f"expected a finite number up to {LARGEST:g}")
+    if not abs(value) <= LARGEST_QUANTITY:
+        raise ValueError(f"expected a finite number up to {LARGEST_QUANTITY:g}")
     return float(value)
 
 
@@ -37,55 +37,55 @@ def _one_or_several(value: Any) -> Any:
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
-Name = Annotated[
+SymbolName = Annotated[
     str, Field(pattern=r"^[A-Za-z]([A-Za-z0-9_]*[A-Za-z0-9])?$", max_length=32), AfterValidator(_free_symbol)
 ]
 Phrase = Annotated[str, Field(min_length=4, max_length=400)]
-Unit = Annotated[str, Field(min_length=1, max_length=32)]
-Quantity = Annotated[float | str, BeforeValidator(_number_or_text)]
+UnitText = Annotated[str, Field(min_length=1, max_length=32)]
+DeclaredNumber = Annotated[float | str, BeforeValidator(_number_or_text)]
 
 
-class ParameterTable(Table):
+class ParameterTable(TomlTable):
     """A parameter: `start`, `lower` and `upper` are numbers or expressions in the data's scales."""
 
-    symbol: Name
-    unit: Unit
+    symbol: SymbolName
+    unit: UnitText
     meaning: Phrase
-    start: Annotated[tuple[Quantity, ...], Field(min_length=1, max_length=8), BeforeValidator(_one_or_several)]
-    lower: Quantity | None = None
-    upper: Quantity | None = None
+    start: Annotated[tuple[DeclaredNumber, ...], Field(min_length=1, max_length=8), BeforeValidator(_one_or_several)]
+    lower: DeclaredNumber | None = None
+    upper: DeclaredNumber | None = None
     neutral: Number | None = None
     follows: tuple[str, ...] = ()
     levels: Annotated[int, Field(ge=2, le=20)] = 2
 
 
-class CoefficientTable(Table):
+class CoefficientTable(TomlTable):
     """A factor of the force that other effects may scale, by its symbol or its role."""
 
-    symbol: Name
-    unit: Unit
+    symbol: SymbolName
+    unit: UnitText
     role: Role | None = None
     expression: str
 
 
-class StateTable(Table):
+class StateTable(TomlTable):
     """Memory: `update` is the value after a step from `y_previous` to `y` that lasts `h` seconds."""
 
-    symbol: Name
-    unit: Unit
+    symbol: SymbolName
+    unit: UnitText
     meaning: Phrase
     update: str
     start: Number = 0.0
 
 
-class ScaleTable(Table):
+class ScaleTable(TomlTable):
     """A factor on a coefficient of other effects, named by its symbol or its role."""
 
     coefficient: Annotated[str, Field(min_length=1, max_length=32)]
     factor: str
 
 
-class Declaration(Table):
+class Declaration(TomlTable):
     """What a user states of an effect; what each expression may use is said in `effect_of`."""
 
     id: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]

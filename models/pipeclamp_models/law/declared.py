@@ -17,7 +17,7 @@ from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.expression import has_value, parse_expression
 from pipeclamp_models.law.names import FIXED, RESERVED, SCALES, SLOW, Signals
 
-MOST_SECONDS = 30
+MOST_SECONDS_DECLARING = 30
 """That SymPy may take for a declaration; one of a person's size takes less than a second."""
 
 
@@ -35,10 +35,10 @@ def effect_of(declaration: Declaration) -> Effect:
     if declaration.id in identifiers():
         raise UserError(f"id {declaration.id!r} is an effect of the catalogue; expected an id of its own")
     too_long = UserError(
-        f"effect {declaration.id!r}: its expressions take more than {MOST_SECONDS} s; expected simpler ones: "
+        f"effect {declaration.id!r}: its expressions take more than {MOST_SECONDS_DECLARING} s; expected simpler ones: "
         "fewer min, max, abs, where and powers within one another"
     )
-    with time_limit(MOST_SECONDS, too_long):
+    with time_limit(MOST_SECONDS_DECLARING, too_long):
         return _Maker(declaration).effect()
 
 

@@ -18,13 +18,13 @@ import sympy as sp
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
 
-LONGEST = 2000
+MOST_CHARACTERS = 2000
 """Characters of an expression, at most."""
-DEEPEST = 100
+MOST_LEVELS = 100
 """Levels of brackets, functions and operators inside one another, at most."""
 HIGHEST_POWER = 100
 """Largest exponent that is a number."""
-LARGEST = 1e100
+LARGEST_NUMBER = 1e100
 """Largest number that an expression may hold, and the inverse of the smallest."""
 MOST_ARGUMENTS = 8
 
@@ -141,8 +141,8 @@ class _Reader:
         text = self.text
         if not text.strip():
             raise self._error(None, "is empty; expected an expression such as c * v")
-        if len(text) > LONGEST:
-            raise self._error(None, f"has {len(text)} characters; expected {LONGEST} at most")
+        if len(text) > MOST_CHARACTERS:
+            raise self._error(None, f"has {len(text)} characters; expected {MOST_CHARACTERS} at most")
         for place, character in enumerate(text):
             if not (character.isascii() and (character.isprintable() or character.isspace())) or character in "#\\;":
                 raise self._error(place, f"{character!r} is no character of an expression")
@@ -160,12 +160,12 @@ class _Reader:
         for node in ast.walk(tree.body):
             if hasattr(node, "col_offset"):
                 node.col_offset += indent
-        return self._value(tree.body, DEEPEST)
+        return self._value(tree.body, MOST_LEVELS)
 
     def _value(self, node: ast.expr, depth: int) -> Value:
         """Give what a part of the expression stands for."""
         if depth == 0:
-            raise self._error(node.col_offset, f"is nested too deep; expected {DEEPEST} levels at most")
+            raise self._error(node.col_offset, f"is nested too deep; expected {MOST_LEVELS} levels at most")
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 return self._sound(node, lambda: float(number))
@@ -249,14 +249,15 @@ class _Reader:
         try:
             value = make()
             numbers = value.atoms(sp.Number) if isinstance(value, sp.Expr) else (value,)
-            sane = all(number == 0 or 1 / LARGEST < abs(float(number)) < LARGEST for number in numbers)
+            sane = all(number == 0 or 1 / LARGEST_NUMBER < abs(float(number)) < LARGEST_NUMBER for number in numbers)
         except NotImplementedError as error:
             raise self._error(node.col_offset, str(error)) from error
         except NO_VALUE as error:
             raise self._error(node.col_offset, "has no real value, or one too large") from error
         if not sane or (isinstance(value, sp.Expr) and value.has(sp.I, sp.zoo, sp.oo, sp.nan)):
             raise self._error(
-                node.col_offset, f"has no real value, or a number above {LARGEST:g} or below {1 / LARGEST:g}"
+                node.col_offset,
+                f"has no real value, or a number above {LARGEST_NUMBER:g} or below {1 / LARGEST_NUMBER:g}",
             )
         return float(value) if isinstance(value, sp.Number) else value
 

@@ -9,6 +9,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from pipeclamp_models.base.answer import LeftOutRun
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text, write_whole
 from pipeclamp_models.base.toml_file import explained
@@ -23,20 +24,20 @@ CoefficientState = Literal["fitted", "held", "frozen", "at_bound", "given"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class Part(BaseModel):
+class LawFilePart(BaseModel):
     """What all parts of the file share: unknown keys are refused, values don't change once read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
-class Prior(Part):
+class Prior(LawFilePart):
     """What was held likely of a parameter before the tests: a normal distribution. What they leave open stays near."""
 
     mean: Finite
     standard_deviation: Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
-class CoefficientEntry(Part):
+class CoefficientEntry(LawFilePart):
     """One parameter of the law.
 
     `state` says how it came about: "fitted"; "held" (by the law's structure or by wish); "frozen" (the data can't
@@ -52,7 +53,7 @@ class CoefficientEntry(Part):
     prior: Prior | None = None
 
 
-class Interval(Part):
+class Interval(LawFilePart):
     """Where a quantity lay in the data."""
 
     minimum: Finite
@@ -66,7 +67,7 @@ class Interval(Part):
         return self
 
 
-class Covariance(Part):
+class Covariance(LawFilePart):
     """Covariance of the fitted parameters, rows and columns in the order of `names`."""
 
     names: tuple[str, ...]
@@ -80,21 +81,14 @@ class Covariance(Part):
         return self
 
 
-class Correlation(Part):
+class Correlation(LawFilePart):
     """A pair of parameters that the data can hardly tell apart."""
 
     pair: tuple[str, str]
     value: Annotated[float, Field(ge=-1, le=1)]
 
 
-class LeftOutRun(Part):
-    """A run that was not used, and why."""
-
-    run: str
-    reason: str
-
-
-class DataSource(Part):
+class DataSource(LawFilePart):
     """The data that the law was identified from; `warnings` say which of its units are likely wrong.
 
     Where `time_measured` is false, a cycle was taken for a second: the law says nothing of speeds and frequencies.
@@ -108,7 +102,7 @@ class DataSource(Part):
     time_measured: Literal[False] | None = None
 
 
-class RunQuality(Part):
+class RunQuality(LawFilePart):
     """How well the law fits one run; nrmse: root of the summed squared error over the summed squared force."""
 
     run: str
@@ -116,7 +110,7 @@ class RunQuality(Part):
     noise_nrmse: Finite | None = None
 
 
-class FitQuality(Part):
+class FitQuality(LawFilePart):
     """How well the law fits its data.
 
     `mean_share` is the share of the squared force that the runs' mean forces hold, where it is most; `unsettled` are
@@ -136,14 +130,14 @@ class FitQuality(Part):
         return self.method == OF_METRICS
 
 
-class Estimate(Part):
+class Estimate(LawFilePart):
     """A value with its standard error."""
 
     value: Finite
     standard_error: Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-class GroupEntry(Part):
+class GroupEntry(LawFilePart):
     """A group of the runs that the law was identified from, which has factors of its own; they are no part of the law.
 
     Stiffness and damping are factors on the law's, the mean force adds to it; what isn't there doesn't differ.
@@ -157,14 +151,14 @@ class GroupEntry(Part):
     mean_force_N: Estimate | None = None
 
 
-class Shares(Part):
+class Shares(LawFilePart):
     """Standard deviations of the shares by which a law's elastic and damping force are off."""
 
     stiffness: Annotated[float, Field(ge=0, allow_inf_nan=False)]
     damping: Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-class Foretold(Part):
+class Foretold(LawFilePart):
     """How far a law is off at the end of a condition's range where the tests there are left out.
 
     `step` is how far the end lies from the next level: of A and f the natural logarithm of their ratio, else the
@@ -175,7 +169,7 @@ class Foretold(Part):
     error: Shares
 
 
-class KrigedShare(Part):
+class KrigedShare(LawFilePart):
     """How the share by which a law's force is off follows the conditions.
 
     `shares` at the conditions of `at`, `variances` of what scatters in them; between them it has the standard deviation
@@ -188,7 +182,7 @@ class KrigedShare(Part):
     variances: tuple[Annotated[float, Field(ge=0, allow_inf_nan=False)], ...]
 
 
-class LocalForm(Part):
+class LocalForm(LawFilePart):
     """Where a law's form is off, and how: at the tested conditions `at`, A in mm, f in Hz, T in K and further ones."""
 
     at: dict[str, tuple[Finite, ...]]
@@ -210,7 +204,7 @@ class LocalForm(Part):
         return self
 
 
-class Spread(Part):
+class Spread(LawFilePart):
     """What tests scatter about their law beside the parameters' covariance, as shares of its force.
 
     `runs`: between runs (mountings, specimens) at the same conditions; `form`: what the law leaves over on left-out
@@ -224,7 +218,7 @@ class Spread(Part):
     local: LocalForm | None = None
 
 
-class Stage(Part):
+class Stage(LawFilePart):
     """The law as it stood before it was changed: what its force is computed from, and no more."""
 
     base: str
@@ -235,12 +229,12 @@ class Stage(Part):
 
 Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 """What a diagnosis can find."""
-Kind = Literal["cause", "part"]
+NamedKind = Literal["cause", "part"]
 """A cause explains what is missing, and its form fits; a part takes so much of it, and something that acts alike may
 stand behind it."""
 
 
-class HistoryStep(Part):
+class HistoryStep(LawFilePart):
     """One step of the law's way: what was done, what the error did, and the law at that step, of all but the last.
 
     `nrmse` is the error on the tests used; `refitted_nrmse` that on left-out conditions, each foretold by a fit without
@@ -254,18 +248,18 @@ class HistoryStep(Part):
         validation_alias=AliasChoices("refitted_nrmse", "heldout_nrmse"),  # files have had it under the other name
         description="error on left-out groups of A and f, of fits without them",
     )
-    kind: Kind | None = Field(default=None, description="how the diagnosis meant what was added, where one did")
+    kind: NamedKind | None = Field(default=None, description="how the diagnosis meant what was added, where one did")
     stage: Stage | None = None
 
 
-class InVain(Part):
+class InVain(LawFilePart):
     """An effect, or two `with` each other, tried and not in the law: errors on left-out groups without and with it."""
 
     effect: str
     refitted_nrmse: tuple[Finite, Finite]
 
 
-class LastDiagnosis(Part):
+class LastDiagnosis(LawFilePart):
     """What the last diagnosis of the law as it stands found: its verdict, what it named, on which tests.
 
     `in_vain` are effects that it had named, and that didn't help when they were added.
@@ -277,7 +271,7 @@ class LastDiagnosis(Part):
     in_vain: tuple[InVain, ...] = ()
 
 
-class LawFile(Part):
+class LawFile(LawFilePart):
     """A law with its parameters, their uncertainty, its range and where it comes from.
 
     `declared` holds the declarations of a user's own effects. `smoothing` holds v_r (mm/s) and y_r (mm), below which

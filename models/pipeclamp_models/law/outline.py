@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from pipeclamp_models.equations.effect import Parameter
     from pipeclamp_models.law.compose import Composed
 
-Quantity = float | str
+NumberOrExpression = float | str
 """A number, or Python's expression of one in the data's scales."""
 Sizes = Mapping[str, float]
 """The data's scales and the reference values of ratios, by the names of their symbols."""
 
 
-REACH = 2
+WIDER_STARTS = 2
 """Bounds of what another condition brings into view reach so many times as far as its starts do, on a log scale: how
 far it moves there isn't known before."""
 NEAR_BOUND = 1e-5
@@ -55,10 +55,10 @@ class ParameterOutline:
     unit: str
     meaning: str
     effect: str
-    starts: tuple[Quantity, ...]
-    lower: Quantity
-    upper: Quantity
-    spread: Quantity | None
+    starts: tuple[NumberOrExpression, ...]
+    lower: NumberOrExpression
+    upper: NumberOrExpression
+    spread: NumberOrExpression | None
     neutral: float | None
     follows: tuple[str, ...]
     levels: int
@@ -147,7 +147,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], us
     if factors:
         import sympy as sp
 
-        lower, upper = lower * sp.Min(1, *factors) ** REACH, upper * sp.Max(1, *factors) ** REACH
+        lower, upper = lower * sp.Min(1, *factors) ** WIDER_STARTS, upper * sp.Max(1, *factors) ** WIDER_STARTS
     return ParameterOutline(
         name=parameter.name,
         unit=parameter.unit,
@@ -164,7 +164,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], us
     )
 
 
-def _quantity(value: sp.Expr | float) -> Quantity:
+def _quantity(value: sp.Expr | float) -> NumberOrExpression:
     """Give a start or a bound as Python's own expression."""
     if isinstance(value, int | float):
         return float(value)
@@ -173,7 +173,7 @@ def _quantity(value: sp.Expr | float) -> Quantity:
     return str(pycode(value)) if value.free_symbols else float(value)
 
 
-def number_in(quantity: Quantity, sizes: Sizes) -> float:
+def number_in(quantity: NumberOrExpression, sizes: Sizes) -> float:
     """Give a start or a bound as a number, for data of these sizes."""
     if isinstance(quantity, float):
         return quantity

@@ -10,7 +10,7 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.file import Interval, LawFile
 
-DIGITS = 10
+LAW_DIGITS = 10
 """Significant digits of the file's numbers: more than any test supports, fewer than the last bits of a solver."""
 
 
@@ -38,7 +38,7 @@ def _outward(value: float, towards: Callable[[float], int]) -> float:
 
 def rounded(value: float) -> float:
     """Give the number with ten significant digits, so that the same data give the same file."""
-    return float(f"{value:.{DIGITS}g}")
+    return float(f"{value:.{LAW_DIGITS}g}")
 
 
 def conditions_beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:

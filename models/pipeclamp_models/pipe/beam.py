@@ -32,11 +32,11 @@ where shear is neglected, 3e-6 of a pipe's that is as thick as its waves are lon
 CLOSEST = 2e-4
 """Of the beam's length: nodes closer than this would cost the stiffness matrix its digits, which hold E I/l^3."""
 
-SAME = 1e-6
+SAME_POSITION_SHARE = 1e-6
 """Of the beam's length: positions closer than this are the same."""
 
-SHIFT = 1e-2
-RIGID = 1e-5
+EIGENVALUE_SHIFT = 1e-2
+RIGID_BODY = 1e-5
 """Of E I/(M L^3), the scale of omega^2 (12.4 times it for a cantilever): a shift, and what counts as a rigid body."""
 
 
@@ -158,7 +158,7 @@ class Assembly:
         """Give the row that picks the displacement at a position (m) out of the free degrees of freedom, (d,)."""
         row = np.zeros(self.free.size)
         nearest = int(np.argmin(np.abs(self.nodes - position)))
-        if abs(self.nodes[nearest] - position) < SAME * self.nodes[-1]:
+        if abs(self.nodes[nearest] - position) < SAME_POSITION_SHARE * self.nodes[-1]:
             position = float(self.nodes[nearest])
         element = min(max(int(np.searchsorted(self.nodes, position, side="right")) - 1, 0), self.nodes.size - 2)
         start = self.nodes[element]
@@ -183,7 +183,7 @@ def mesh(length: float, held: tuple[float, ...], watched: tuple[float, ...], lon
     fixed: list[float] = []
     for position in sorted({0.0, length, *held}):
         if fixed and position - fixed[-1] < closest:
-            if position - fixed[-1] > SAME * length:
+            if position - fixed[-1] > SAME_POSITION_SHARE * length:
                 raise ValueError(
                     f"something is held at {fixed[-1]:.9g} m and at {position:.9g} m; expected the same position, "
                     f"or at least {1e3 * closest:.3g} mm between them"
@@ -274,7 +274,7 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     # the shift s keeps K + s M definite when the beam can move as a rigid body. The whole beam sets it, not the
     # matrices, whose largest entries belong to the shortest elements.
     scale = beam.bending_stiffness / (assembly.moving_mass * beam.length**3)
-    shift = SHIFT * scale
+    shift = EIGENVALUE_SHIFT * scale
     mu, shapes = eigh(mass, stiffness + shift * mass)
     if not mu[0] > 0:
         raise UserError(
@@ -283,7 +283,7 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
         )
     squared = 1.0 / mu[::-1] - shift
     shapes = shapes[:, ::-1] / np.sqrt(mu[::-1])
-    squared[squared < RIGID * scale] = 0.0
+    squared[squared < RIGID_BODY * scale] = 0.0
     return np.sqrt(squared), upright(shapes)
 
 

@@ -9,21 +9,21 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from pipeclamp_models.base.toml_file import (
     Celsius,
-    Name,
     NotNegative,
     Number,
     Positive,
-    Table,
+    ShortName,
+    TomlTable,
     looked_up,
     parse_table,
     read_table,
 )
 from pipeclamp_models.pipe.materials import find_fluid, find_material
 
-Kind = Literal["free", "pinned", "clamped", "guided"]
+SupportKind = Literal["free", "pinned", "clamped", "guided"]
 
 
-class Springs(Table):
+class Springs(TomlTable):
     """An elastic support, against the ground or the base: N/mm in translation, N m/rad in rotation."""
 
     stiffness_N_mm: NotNegative = 0.0
@@ -34,15 +34,15 @@ def _variant(value: Any) -> str:
     return "(name)" if isinstance(value, str) else "(table)"
 
 
-Condition = Annotated[
-    Annotated[Kind, Tag("(name)")] | Annotated[Springs, Tag("(table)")],
+EndCondition = Annotated[
+    Annotated[SupportKind, Tag("(name)")] | Annotated[Springs, Tag("(table)")],
     Discriminator(_variant),
 ]
 """How a section is held: "free", "pinned" (no displacement), "clamped" (neither displacement nor slope), "guided" (no
 slope), or a table of springs."""
 
 
-class MaterialTable(Table):
+class MaterialTable(TomlTable):
     """A material by its values at the pipe's temperature; the expansion is the mean one from where it was installed.
 
     No pipe is stiffer or lighter than the bounds: values beyond them are in other units.
@@ -54,20 +54,20 @@ class MaterialTable(Table):
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.3
 
 
-class FluidTable(Table):
+class FluidTable(TomlTable):
     """A fluid by its density."""
 
     density_kg_m3: NotNegative
 
 
-class Insulation(Table):
+class Insulation(TomlTable):
     """Insulation around the pipe; it adds mass, no stiffness."""
 
     thickness_mm: Positive
     density_kg_m3: Positive
 
 
-class PipeTable(Table):
+class PipeTable(TomlTable):
     """The pipe itself, its dimensions as bought (at 20 degC).
 
     `added_mass_kg_m` is cladding or cables that move with it. With theory "timoshenko" shear and rotary inertia count.
@@ -100,21 +100,21 @@ class PipeTable(Table):
         return self
 
 
-class Ends(Table):
+class Ends(TomlTable):
     """How the two ends are held."""
 
-    left: Condition
-    right: Condition
+    left: EndCondition
+    right: EndCondition
 
 
-class Support(Table):
+class Support(TomlTable):
     """A support between the ends."""
 
     position_m: NotNegative
-    condition: Condition
+    condition: EndCondition
 
 
-class PointMass(Table):
+class PointMass(TomlTable):
     """A valve, flange or sensor; `rotary_inertia_kg_m2` about an axis across the pipe."""
 
     position_m: NotNegative
@@ -122,14 +122,14 @@ class PointMass(Table):
     rotary_inertia_kg_m2: NotNegative = 0.0
 
 
-class Place(Table):
+class Place(TomlTable):
     """A named position: a clamp or a probe."""
 
-    name: Name
+    name: ShortName
     position_m: NotNegative
 
 
-class Excitation(Table):
+class Excitation(TomlTable):
     """What shakes the pipe: the base (ends, supports and clamp foundations move together), or a force at a position."""
 
     kind: Literal["base", "force"] = "base"
@@ -146,7 +146,7 @@ class Excitation(Table):
         return self
 
 
-class Damping(Table):
+class Damping(TomlTable):
     """The pipe's own damping: one ratio for all modes, or Rayleigh's alpha M + beta K."""
 
     ratio: Annotated[NotNegative, Field(lt=1)] | None = None
@@ -161,14 +161,14 @@ class Damping(Table):
         return self
 
 
-class Flow(Table):
+class Flow(TomlTable):
     """The flow in the pipe, from the left end to the right, and its pressure above the surroundings'."""
 
     velocity_m_s: NotNegative = 0.0
     pressure_bar: NotNegative = 0.0
 
 
-class Axial(Table):
+class Axial(TomlTable):
     """What holds the pipe along its axis, and so what axial force it carries.
 
     Attributes:
@@ -188,7 +188,7 @@ class Axial(Table):
     tension_N: Number = 0.0
 
 
-class Modes(Table):
+class Modes(TomlTable):
     """The modes that are kept: all up to this frequency, and further ones until the reduction errs by at most `error`.
 
     `error` is that of the frequency response at each frequency up to there, without clamps and with clamps as stiff as
@@ -199,7 +199,7 @@ class Modes(Table):
     error: Annotated[Positive, Field(ge=1e-6, lt=0.5)] = 0.01
 
 
-class PipeDescription(Table):
+class PipeDescription(TomlTable):
     """A straight pipe: section, ends, supports, masses, clamps, probes, excitation, flow, axial force, modes."""
 
     name: Annotated[str, Field(min_length=1, max_length=80)]

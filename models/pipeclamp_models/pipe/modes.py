@@ -25,25 +25,25 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.beam import ELEMENT_PHASE, Assembly, Attachment, assemble, mesh, modes, upright
-from pipeclamp_models.pipe.description import Condition, PipeDescription, Springs
+from pipeclamp_models.pipe.description import EndCondition, PipeDescription, Springs
 from pipeclamp_models.pipe.materials import find_fluid, find_material
 from pipeclamp_models.pipe.section import beam_of, shear_error
 from pipeclamp_models.pipe.stability import Onset, Stability, buckling_load, natural_frequencies, onset, stability
-from pipeclamp_models.pipe.truncation import ModalModel, ReductionErrors, Reference
+from pipeclamp_models.pipe.truncation import FullResponse, ModalModel, ReductionErrors
 
 MOST_NODES = 600
 """A finer mesh than this takes minutes and hints at a wrong unit."""
 
-FASTEST = 15.0
+FASTEST_FLOW = 15.0
 """Dimensionless flow velocity u = U L sqrt(M/(E I)) up to which the onset of instability is looked for."""
 
 WARM = 50.0
 """K by which a pipe may be beyond the table of its fluid or its material, before it is said."""
 
-ROUNDING = 1e-10
+ROUNDING_SHARE = 1e-10
 """Share of a shape's largest entry below which another is rounding."""
 
-RIGID: dict[str, tuple[float, float]] = {
+CONDITION_STIFFNESS: dict[str, tuple[float, float]] = {
     "free": (0.0, 0.0),
     "pinned": (inf, 0.0),
     "clamped": (inf, inf),
@@ -189,7 +189,7 @@ class ReducedPipe:
 def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
     """Give the ends, supports and masses as what is attached to the beam."""
     length = description.pipe.length_m
-    held: list[tuple[float, Condition]] = [(0.0, description.ends.left), (length, description.ends.right)]
+    held: list[tuple[float, EndCondition]] = [(0.0, description.ends.left), (length, description.ends.right)]
     held += [(support.position_m, support.condition) for support in description.supports]
     return (
         *(Attachment(position, *_stiffnesses(condition)) for position, condition in held),
@@ -200,10 +200,10 @@ def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
     )
 
 
-def _stiffnesses(condition: Condition) -> tuple[float, float]:
+def _stiffnesses(condition: EndCondition) -> tuple[float, float]:
     if isinstance(condition, Springs):
         return 1e3 * condition.stiffness_N_mm, condition.rotational_stiffness_Nm_rad
-    return RIGID[condition]
+    return CONDITION_STIFFNESS[condition]
 
 
 def finite_elements(description: PipeDescription) -> Assembly:
@@ -248,7 +248,7 @@ def reduce(description: PipeDescription) -> ReducedPipe:
             f"pipe {description.name!r}: no mode lies below modes.up_to_Hz = {description.modes.up_to_Hz:g}; "
             f"the lowest is at {full.omega[0] / (2 * pi):.4g} Hz: raise it"
         )
-    reference = Reference(full.modal(full.omega, full.shapes), in_band, up_to, len(description.clamps))
+    reference = FullResponse(full.modal(full.omega, full.shapes), in_band, up_to, len(description.clamps))
     for kept in range(in_band, reference.most + 1):
         all_omega, all_shapes = full.with_residual_modes(kept)
         reduced = full.modal(all_omega, all_shapes)
@@ -264,7 +264,9 @@ def reduce(description: PipeDescription) -> ReducedPipe:
         added = over_modes.matrices(beam_of(description.model_copy(update={"flow": flow})))
         return np.diag(all_omega**2) + added[0], np.diag(reduced.damping) + added[1]
 
-    fastest = FASTEST / beam.length * float(np.sqrt(beam.bending_stiffness / beam.fluid_mass)) if beam.velocity else 0.0
+    fastest = (
+        FASTEST_FLOW / beam.length * float(np.sqrt(beam.bending_stiffness / beam.fluid_mass)) if beam.velocity else 0.0
+    )
     return ReducedPipe(
         name=description.name,
         **_moving(full, reduced, kept),
@@ -356,7 +358,7 @@ def _moving(full: _FullModel, reduced: ModalModel, kept: int) -> _Moving:
 
 def _without_rounding(shape: Array) -> tuple[float, ...]:
     """Give a shape (n,) with zeros where a mode has a node, of which the eigenvalue solver makes some 1e-12."""
-    return _floats(np.where(np.abs(shape) > ROUNDING * np.abs(shape).max(initial=0.0), shape, 0.0))
+    return _floats(np.where(np.abs(shape) > ROUNDING_SHARE * np.abs(shape).max(initial=0.0), shape, 0.0))
 
 
 def _about_reduction(description: PipeDescription, kept: int, errors: ReductionErrors) -> list[str]:

@@ -14,7 +14,7 @@ BAR = 1e5
 
 
 @dataclass(frozen=True)
-class Section:
+class PipeSection:
     """A pipe's section at its temperature.
 
     Attributes:
@@ -61,7 +61,7 @@ class Section:
         return self.modulus / (2 * (1 + self.poisson))
 
 
-def section_of(description: PipeDescription) -> Section:
+def section_of(description: PipeDescription) -> PipeSection:
     """Give the section of a pipe: as bought, and grown by its temperature."""
     table = description.pipe
     outer, inner = 1e-3 * table.outer_diameter_mm, 1e-3 * (table.outer_diameter_mm - 2 * table.wall_mm)
@@ -69,7 +69,7 @@ def section_of(description: PipeDescription) -> Section:
     if isinstance(table.material, str):
         material = find_material(table.material)
         grown = 1 + material.expansion(table.temperature_C)
-        return Section(
+        return PipeSection(
             outer=outer * grown,
             inner=inner * grown,
             modulus=material.youngs_modulus(table.temperature_C),
@@ -79,7 +79,7 @@ def section_of(description: PipeDescription) -> Section:
         )
     given = table.material
     grown = 1 + 1e-6 * given.expansion_1e6_K * (table.temperature_C - COLD)
-    return Section(
+    return PipeSection(
         outer=outer * grown,
         inner=inner * grown,
         modulus=1e9 * given.E_GPa,
@@ -95,7 +95,7 @@ def fluid_density(description: PipeDescription) -> float:
     return find_fluid(fluid).density(description.pipe.temperature_C) if isinstance(fluid, str) else fluid.density_kg_m3
 
 
-def compression(description: PipeDescription, section: Section, fluid_mass: float) -> float:
+def compression(description: PipeDescription, section: PipeSection, fluid_mass: float) -> float:
     """Give the axial compression P in N that acts besides the flow's M U^2.
 
     The wall carries N = E A (strain - thermal strain) + 2 nu p A_bore (a thin tube widened by pressure shortens);

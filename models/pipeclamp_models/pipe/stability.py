@@ -18,7 +18,7 @@ GROWTH = 1e-7
 SCAN = 240
 """Velocities that are tried before the first instability is pinned down; two of them may miss what lies between."""
 
-Kind = Literal["stable", "divergence", "flutter"]
+StabilityKind = Literal["stable", "divergence", "flutter"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Stability:
         frequency: of that motion, Hz.
     """
 
-    kind: Kind
+    kind: StabilityKind
     growth: float
     frequency: float
 
@@ -41,7 +41,7 @@ class Onset:
     """Where a growing velocity makes a pipe unstable: velocity in m/s, and how."""
 
     velocity: float
-    kind: Kind
+    kind: StabilityKind
 
 
 def eigenvalues(stiffness: Array, damping: Array) -> ComplexArray:
@@ -62,7 +62,7 @@ def stability(stiffness: Array, damping: Array) -> Stability:
     values = eigenvalues(stiffness, damping)
     fastest = values[np.argmax(values.real)]
     limit = GROWTH * float(np.abs(values[-1]))
-    kind: Kind = "stable"
+    kind: StabilityKind = "stable"
     if fastest.real > limit:
         kind = "divergence" if abs(fastest.imag) < limit else "flutter"
     return Stability(kind, float(fastest.real), abs(float(fastest.imag)) / (2 * pi))

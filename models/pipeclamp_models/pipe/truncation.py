@@ -23,10 +23,10 @@ STIFFNESSES = (1.0, 10.0, 100.0, 1e4)
 LEAST_DAMPING = 1e-3
 """Of critical, at least compared with: below it the elements' own error of 3e-6 of a frequency shows at peaks."""
 
-AT_ONCE = 100
+FREQUENCIES_AT_ONCE = 100
 """Frequencies whose matrices are solved together: more would take memory."""
 
-STILL = 1e-3
+STILL_SHARE = 1e-3
 """Share of what moves most under a load below which a point counts as still."""
 
 MOST_MODES = 60
@@ -72,7 +72,7 @@ class ModalModel:
             rest = replace(self.part(moving, self.omega.size), coupling=None)
             return self.part(0, moving).receptance(omega) + rest.receptance(omega)
         matrices = self.matrices(self.omega.size)
-        parts = np.array_split(omega, -(-omega.size // AT_ONCE))
+        parts = np.array_split(omega, -(-omega.size // FREQUENCIES_AT_ONCE))
         coupled = are_coupled(*matrices)
         return np.concatenate([receptance(*matrices, self.loads, self.shapes, part, coupled=coupled) for part in parts])
 
@@ -148,7 +148,7 @@ def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
     return control.model_reduction(moving, left_out, method="truncate", warn_unstable=False) if left_out else moving
 
 
-class Reference:
+class FullResponse:
     """The full model's response over the band, against which reductions are judged.
 
     An error counts against the response at its own frequency: one resonance would hide what is wrong elsewhere. Where
@@ -288,14 +288,14 @@ def local_scale(response: ComplexArray, band: Array, natural: Array, clamps: int
     scale = np.maximum(size, mean)
     # What (nearly) stands still under a load is measured against what moves.
     for part in (scale[:, :clamps], scale[:, clamps:]):
-        np.maximum(part, STILL * part.max(axis=1, initial=0.0, keepdims=True), out=part)
+        np.maximum(part, STILL_SHARE * part.max(axis=1, initial=0.0, keepdims=True), out=part)
     return np.where(scale > 0.0, scale, 1.0)
 
 
 def _largest_share(error: Array, response: ComplexArray) -> float:
     """Give the largest error as a share of its channel's response, (outputs, inputs, 1)."""
     scale = np.abs(response)
-    scale = np.maximum(scale, STILL * scale.max(axis=0))
+    scale = np.maximum(scale, STILL_SHARE * scale.max(axis=0))
     return float((error / np.where(scale > 0, scale, 1.0)).max())
 
 

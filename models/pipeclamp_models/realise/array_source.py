@@ -95,7 +95,7 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
     return {"parts": parts}
 
 
-def _in_parts(asked: Asked, function: str) -> dict[str, Any]:
+def _in_parts(asked: AskedFunction, function: str) -> dict[str, Any]:
     """Write a function of arrays, each part of it by itself: see `array_source`."""
     parts = [(rows, _part(part, asked, function)) for rows, part in _apart(asked)]
     values = 0 if function in SLOPES_ALONE else len(asked.expressions)
@@ -115,7 +115,7 @@ def _in_parts(asked: Asked, function: str) -> dict[str, Any]:
     }
 
 
-def _part(part: Asked, asked: Asked, function: str) -> dict[str, Any]:
+def _part(part: AskedFunction, asked: AskedFunction, function: str) -> dict[str, Any]:
     """Write a part: `source`, its columns of all arguments, and the `index` of its derivatives."""
     lean = part.lean()
     written = kept(f"{function} {lean.content()}", lambda: _written(lean, function))
@@ -127,7 +127,7 @@ def _part(part: Asked, asked: Asked, function: str) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedFunction:
     """What a function is asked for.
 
     Attributes:
@@ -148,7 +148,7 @@ class Asked:
         """Give all symbols that stand in it."""
         return set().union(*(each.free_symbols for each in self._all()))
 
-    def lean(self) -> Asked:
+    def lean(self) -> AskedFunction:
         """Give the same without the symbols that don't stand in it."""
         taken = self.symbols()
         return replace(
@@ -167,7 +167,7 @@ class Asked:
         return [*(expression for _, expression in self.stages), *self.expressions]
 
 
-def _asked(equations: Composed, function: str) -> Asked:
+def _asked(equations: Composed, function: str) -> AskedFunction:
     parameters = [parameter.symbol for parameter in equations.parameters]
     states = [state.symbol for state in equations.states]
     coefficients = [entry.symbol for entry in equations.coefficients]
@@ -176,27 +176,27 @@ def _asked(equations: Composed, function: str) -> Asked:
     fast = [*FAST, *by, *SMOOTHING]
     match function:
         case "coefficients" | "coefficient_slopes":
-            return Asked(slow, [entry.expression for entry in equations.coefficients], by=parameters)
+            return AskedFunction(slow, [entry.expression for entry in equations.coefficients], by=parameters)
         case "force" | "force_with_slopes":
-            return Asked(fast, [equations.force], by=by)
+            return AskedFunction(fast, [equations.force], by=by)
         case "update" | "update_slopes" | "walks" | "turns":
             stages = [(stage.symbol, stage.expression) for stage in equations.stages]
-            return Asked(fast, [state.update for state in equations.states], stages, by, states)
+            return AskedFunction(fast, [state.update for state in equations.states], stages, by, states)
         case "energy":
-            return Asked(fast, [equations.energy])
+            return AskedFunction(fast, [equations.energy])
         case "lag" | "lag_slopes":
-            return Asked(parameters, [equations.lag], by=parameters)
+            return AskedFunction(parameters, [equations.lag], by=parameters)
     raise ValueError(f"got {function!r}; expected a function of array realisations")
 
 
-def _written(asked: Asked, function: str) -> dict[str, Any]:
+def _written(asked: AskedFunction, function: str) -> dict[str, Any]:
     """Write a function of arrays: `source`, and the `index` of what it gives derivatives of."""
     index, slopes = _nonzero_slopes(asked.expressions, asked.by) if function in WITH_SLOPES else ((), [])
     values = () if function in SLOPES_ALONE else asked.expressions
     return {"source": _source(asked.arguments, [*values, *slopes], asked.stages), "index": index}
 
 
-def _apart(asked: Asked) -> list[tuple[list[int], Asked]]:
+def _apart(asked: AskedFunction) -> list[tuple[list[int], AskedFunction]]:
     """Give the summands of what is asked for, or its sets of states, each with its places among the results."""
     if asked.states:
         return [([asked.states.index(symbol) for symbol in part.states], part) for part in _stepped_apart(asked)]
@@ -207,7 +207,7 @@ def _apart(asked: Asked) -> list[tuple[list[int], Asked]]:
     ]
 
 
-def _stepped_apart(asked: Asked) -> list[Asked]:
+def _stepped_apart(asked: AskedFunction) -> list[AskedFunction]:
     """Give the states in sets that are stepped by themselves, each with the stages that it needs."""
     sets: list[set[sp.Symbol]] = []
     for symbol, update in zip(asked.states, asked.expressions, strict=True):
@@ -223,7 +223,9 @@ def _stepped_apart(asked: Asked) -> list[Asked]:
     return found
 
 
-def _marched(part: Asked, asked: Asked, name: str, write: Callable[..., Mapping[str, Any]]) -> dict[str, Any]:
+def _marched(
+    part: AskedFunction, asked: AskedFunction, name: str, write: Callable[..., Mapping[str, Any]]
+) -> dict[str, Any]:
     """Write a march of a set of states, with the places of the states and of what it takes: see `array_source`."""
     lean = part.lean()
     taken = [symbol for symbol in lean.arguments if symbol not in part.states]
@@ -244,7 +246,7 @@ def _turn(*of: Any) -> dict[str, Any]:
     return {"source": source, "index": index}
 
 
-def _step_slopes(part: Asked, asked: Asked) -> dict[str, Any]:
+def _step_slopes(part: AskedFunction, asked: AskedFunction) -> dict[str, Any]:
     """Write the slopes of a set of states that are stepped by themselves: see `array_source`."""
     lean = part.lean()
     source, index = kept(

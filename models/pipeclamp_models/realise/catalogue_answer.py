@@ -15,7 +15,7 @@ from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
 from pipeclamp_models.realise.sizes import file_sizes, number_of
 
-REFERENCE = "emwm2"
+TYPICAL_LAW = "emwm2"
 """The bundled law whose clamp's loops typical sizes are stated for."""
 
 
@@ -73,13 +73,13 @@ class CatalogueAnswer(AnswerModel):
 def catalogue_answer(effects: Sequence[Effect]) -> CatalogueAnswer:
     """Give what is stated of effects, with sizes for the reference clamp."""
     sizes = reference_sizes(effects)
-    return CatalogueAnswer(typical_for=REFERENCE, effects=tuple(_effect(effect, sizes) for effect in effects))
+    return CatalogueAnswer(typical_for=TYPICAL_LAW, effects=tuple(_effect(effect, sizes) for effect in effects))
 
 
 def reference_sizes(effects: Iterable[Effect]) -> Sizes:
     """Give the sizes of the reference clamp's loops; what effects follow besides counts as 1."""
     followed = {str(signal) for effect in effects for one in effect.parameters for signal in one.follows}
-    return file_sizes(open_law(REFERENCE), sorted(name for name in followed if name.startswith(CONDITION)))
+    return file_sizes(open_law(TYPICAL_LAW), sorted(name for name in followed if name.startswith(CONDITION)))
 
 
 def _effect(effect: Effect, sizes: Sizes) -> EffectAnswer:

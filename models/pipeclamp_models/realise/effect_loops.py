@@ -26,11 +26,11 @@ CLAMP = "emwm2"
 """The bundled law whose base law stands for the clamp."""
 AMPLITUDE, FREQUENCY, TEMPERATURE = 0.8, 3.0, 20.0 + CELSIUS
 AMPLITUDES, FREQUENCIES = (0.3, 0.6, 1.0), (1.0, 5.0, 20.0)
-TEMPERATURES = tuple(value + CELSIUS for value in (20.0, 250.0, 300.0))
-SMALL, MEANS = 0.3, (-0.6, 0.0, 0.6)
+TEMPERATURES_K = tuple(value + CELSIUS for value in (20.0, 250.0, 300.0))
+SMALL_AMPLITUDE, MEANS = 0.3, (-0.6, 0.0, 0.6)
 """Amplitude and means of small cycles, mm: within one of them what follows the displacement hardly changes."""
-CYCLES, DENSITIES, COLUMN = (0.0, 300.0, 2000.0), (2.0, 2.286, 2.571), (0.0, 0.5, 1.0)
-SEEN = 0.08
+CYCLE_NUMBERS, DENSITIES, COLUMN = (0.0, 300.0, 2000.0), (2.0, 2.286, 2.571), (0.0, 0.5, 1.0)
+SEEN_SHARE = 0.08
 """A difference is drawn larger until it is this share of the force: a typical one may be too small to see."""
 MAGNIFICATIONS = (1, 2, 5, 10, 20, 50)
 
@@ -64,7 +64,7 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
     labels, motion = _motions(effect)
     known = law_of(open_law(CLAMP))
     slow = {name: float(values[-1, 0]) for name, values in motion.slow.items() if name not in ("A", "f", "T")}
-    sizes = law_sizes(replace(known, structure=Structure()), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES, slow)
+    sizes = law_sizes(replace(known, structure=Structure()), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES_K, slow)
     structure = bare if effect.part == "base" else with_effect(bare, effect.name)
     own = {} if effect.part == "base" else {one.name: number_of(one.size, sizes) for one in effect.parameters}
     values = {one.name: number_of(one.size, sizes) for one in structure.equations.composed.parameters}
@@ -76,7 +76,7 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
     without = _force(replace(known, structure=bare, values=others), motion)
     difference = with_it - without
     share = float(np.max(np.abs(difference)) / np.max(np.abs(with_it)))
-    times = next((times for times in MAGNIFICATIONS if times * share > SEEN), MAGNIFICATIONS[-1])
+    times = next((times for times in MAGNIFICATIONS if times * share > SEEN_SHARE), MAGNIFICATIONS[-1])
     return EffectLoops(labels, motion.y, without, without + times * difference, times)
 
 
@@ -94,8 +94,8 @@ def _motions(effect: Effect) -> tuple[tuple[str, ...], Motion]:
         slow = {**motion.slow, str(symbol): np.array(levels)[:, None]}
         return tuple(words.format(level) for level in levels), replace(motion, slow=slow)
     if symbols.T in used:
-        return tuple(f"{value - CELSIUS:.0f} °C" for value in TEMPERATURES), sinusoids(
-            AMPLITUDE, FREQUENCY, TEMPERATURES
+        return tuple(f"{value - CELSIUS:.0f} °C" for value in TEMPERATURES_K), sinusoids(
+            AMPLITUDE, FREQUENCY, TEMPERATURES_K
         )
     in_time = used & {symbols.f, symbols.v, symbols.a, symbols.h} and "damping" not in effect.scales
     if in_time or effect.lag != 0:
@@ -107,9 +107,9 @@ def _motions(effect: Effect) -> tuple[tuple[str, ...], Motion]:
 
 
 def _about_means() -> tuple[tuple[str, ...], Motion]:
-    motion = sinusoids([SMALL] * len(MEANS), FREQUENCY, TEMPERATURE)
+    motion = sinusoids([SMALL_AMPLITUDE] * len(MEANS), FREQUENCY, TEMPERATURE)
     means = np.array(MEANS)[:, None]
-    return tuple(f"{SMALL:g} mm about {mean:g} mm" for mean in MEANS), replace(motion, y=motion.y + means)
+    return tuple(f"{SMALL_AMPLITUDE:g} mm about {mean:g} mm" for mean in MEANS), replace(motion, y=motion.y + means)
 
 
 def _over_amplitude() -> tuple[tuple[str, ...], Motion]:
@@ -118,7 +118,7 @@ def _over_amplitude() -> tuple[tuple[str, ...], Motion]:
 
 def _further(used: Iterable[sp.Symbol]) -> list[tuple[sp.Symbol, tuple[float, ...], str]]:
     """Give the conditions besides A, f and T that an effect follows, with levels and how to label them."""
-    levels = {symbols.N: (CYCLES, "{:g} cycles"), symbols.rho: (DENSITIES, "{:g} g/cm³")}
+    levels = {symbols.N: (CYCLE_NUMBERS, "{:g} cycles"), symbols.rho: (DENSITIES, "{:g} g/cm³")}
     found = [(symbol, *levels[symbol]) for symbol in used if symbol in levels]
     columns = [symbol for symbol in used if str(symbol).startswith(CONDITION)]
     return found + [(symbol, COLUMN, f"{str(symbol).removeprefix(CONDITION)} = {{:g}}") for symbol in columns]

@@ -20,9 +20,9 @@ from pipeclamp_models.realise.motion import sinusoids
 if TYPE_CHECKING:
     import sympy as sp
 
-SAMPLES = 128
+SAMPLES_PER_CYCLE = 128
 """Samples of a cycle that tell the size of a law's force."""
-CYCLES = 1000.0
+CYCLES_OF_A_SERIES = 1000.0
 """Load cycles of a test series, where nothing says how many."""
 
 
@@ -71,7 +71,7 @@ def law_sizes(
         UserError: the law depends on a slow signal that isn't given.
     """
     A, f, T = (grid.ravel() for grid in np.meshgrid(amplitudes, frequencies, temperatures))
-    motion = sinusoids(A, f, T, SAMPLES)
+    motion = sinusoids(A, f, T, SAMPLES_PER_CYCLE)
     added = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **added})
     return data_sizes(motion.slow, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
@@ -82,7 +82,7 @@ def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:
     ends = {name: (interval.minimum, interval.maximum) for name, interval in file.range.items()}
     A, f, T = (ends.get(name, (293.15, 293.15)) for name in ("A", "f", "T"))
     further = {
-        "N": CYCLES,
+        "N": CYCLES_OF_A_SERIES,
         "rho": REFERENCES["rho_0"],
         **dict.fromkeys(conditions, 1.0),
     }

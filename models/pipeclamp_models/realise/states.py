@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,13 +13,22 @@ from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.realise.arrays import ArrayRealisation, Slopes
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.walks import AfterMotion
 from pipeclamp_models.steps.ways import Ways
 
 SETTLING_CYCLES = 20
-SETTLED = 1e-9
+SETTLED_SHARE = 1e-9
 
-Columns = tuple[Sequence[Array], Sequence[Array]]
-"""Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still."""
+
+class StepArguments(NamedTuple):
+    """Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still."""
+
+    moving: Sequence[Array]
+    held: Sequence[Array]
+
+    def of_rows(self, rows: BoolArray) -> StepArguments:
+        """Give what a step takes on some of the rows."""
+        return StepArguments([each[rows] for each in self.moving], [each[rows] for each in self.held])
 
 
 @dataclass(frozen=True)
@@ -133,8 +143,8 @@ class March:
         by_states = self._by_states(by_step, samples)
         to_begin = _back(composed(np.moveaxis(by_states, 1, 0)))
         left, size, right = np.linalg.svd(to_begin)
-        adrift = np.min(size, axis=1) < SETTLED
-        still = np.where((size < SETTLED)[:, :, None], right, 0.0)
+        adrift = np.min(size, axis=1) < SETTLED_SHARE
+        still = np.where((size < SETTLED_SHARE)[:, :, None], right, 0.0)
         kept = np.swapaxes(still, 1, 2) @ still
         slopes = np.zeros((rows, samples, count, 0))
         if derivatives:
@@ -143,13 +153,13 @@ class March:
             if adrift.any():  # what loses its beginning doesn't ask for it
                 begin = last._by_parameters(last._slopes(rest, moved, from_rest), 1)[:, 0]
             once = trail(begin, by_states, by_parameters)[:, -1]
-            told = size > SETTLED * np.max(size, axis=1, keepdims=True)
+            told = size > SETTLED_SHARE * np.max(size, axis=1, keepdims=True)
             inverse = np.where(told, 1 / np.where(told, size, 1.0), 0.0)
             to_period = np.swapaxes(right, 1, 2) @ (inverse[:, :, None] * (np.swapaxes(left, 1, 2) @ (once - begin)))
             slopes = trail(begin + to_period, by_states, by_parameters)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled, kept)
 
-    def _settle(self, start: Array, scale: Array, columns: Columns, moving: BoolArray, *, most: int) -> BoolArray:
+    def _settle(self, start: Array, scale: Array, columns: StepArguments, moving: BoolArray, *, most: int) -> BoolArray:
         """Move states before the first sample, (J, R), to their periodic values; tell which rows still move.
 
         Args:
@@ -160,15 +170,15 @@ class March:
             most: Newton steps at most.
         """
         left = np.flatnonzero(moving)
-        taken = columns if moving.all() else _of_rows(columns, moving)
+        taken = columns if moving.all() else columns.of_rows(moving)
         for _ in range(most):
             after, largest, by_start = self._turn(start[:, left], taken)
             change = after - start[:, left]
             moves = _moves(change, scale[left], largest)
             if not moves.any():
                 return np.zeros_like(moving)
-            left, taken = left[moves], taken if moves.all() else _of_rows(taken, moves)
-            inverse = np.linalg.pinv(_back(by_start[moves]), rcond=SETTLED)
+            left, taken = left[moves], taken if moves.all() else taken.of_rows(moves)
+            inverse = np.linalg.pinv(_back(by_start[moves]), rcond=SETTLED_SHARE)
             start[:, left] += np.einsum("rjk,kr->jr", inverse, change[:, moves])
         return np.isin(np.arange(len(moving)), left)
 
@@ -183,13 +193,14 @@ class March:
             motion=replace(motion, y=y, v=v, a=a),
         )
 
-    def _columns(self, y_previous: Array) -> Columns:
+    def _columns(self, y_previous: Array) -> StepArguments:
         """Give what the states' update takes before and after the states."""
         motion, ones = self.motion, np.ones((len(self.motion.y), 1))
         numbers = [value * ones for value in (*self.values, *self.smoothing)]
-        return [motion.y, motion.v, motion.a, y_previous, motion.h], [*self.coefficients, *numbers]
+        moving = [motion.y, motion.v, motion.a, y_previous, motion.h]
+        return StepArguments(moving, [*self.coefficients, *numbers])
 
-    def _walk(self, start: Array, columns: Columns) -> Array:
+    def _walk(self, start: Array, columns: StepArguments) -> Array:
         """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
         moving, held = columns
         arguments = [*moving, *held]
@@ -198,8 +209,8 @@ class March:
             states[walk.states] = walk(start, arguments, self.motion.y.shape)
         return states
 
-    def _turn(self, start: Array, columns: Columns) -> tuple[Array, Array, Array]:
-        """Step along all samples; give the states (J, R) at the end, how large each became, and slopes, (R, J, J)."""
+    def _turn(self, start: Array, columns: StepArguments) -> AfterMotion:
+        """Step along all samples; give what that makes of the states."""
         moving, held = columns
         arguments = [*moving, *held]
         (count, rows), samples = start.shape, self.motion.y.shape[1]
@@ -208,9 +219,9 @@ class March:
             places = turn.states
             own = turn(start, arguments, (rows, samples))
             after[places], largest[places], slopes[:, np.array(places)[:, None], places] = own
-        return after, largest, slopes
+        return AfterMotion(after, largest, slopes)
 
-    def _slopes(self, start: Array, trajectory: Array, columns: Columns) -> Slopes:
+    def _slopes(self, start: Array, trajectory: Array, columns: StepArguments) -> Slopes:
         """Give the slopes of each step that don't vanish.
 
         Args:
@@ -245,7 +256,7 @@ class March:
 
 def _moves(change: Array, scale: Array, largest: Array) -> BoolArray:
     """Tell which rows' states a cycle changes, (J, R), against their sizes before, (R,), and within it, (J, R)."""
-    return np.asarray(np.any(~(np.abs(change) <= SETTLED * (scale + np.max(largest, axis=0))), axis=0))
+    return np.asarray(np.any(~(np.abs(change) <= SETTLED_SHARE * (scale + np.max(largest, axis=0))), axis=0))
 
 
 def _back(by_start: Array) -> Array:
@@ -257,12 +268,6 @@ def _back(by_start: Array) -> Array:
     back = identity - by_start
     back[~np.isfinite(back).all(axis=(1, 2))] = identity
     return np.asarray(back)
-
-
-def _of_rows(columns: Columns, rows: BoolArray) -> Columns:
-    """Give what a step takes on some of the rows."""
-    moving, held = columns
-    return [each[rows] for each in moving], [each[rows] for each in held]
 
 
 def trail(start: Array, by_states: Array, inputs: Array) -> Array:

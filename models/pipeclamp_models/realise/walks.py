@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -76,6 +76,14 @@ class Walk:
         return self._march(arguments, start[self.states], (len(self.states), *shape), shape)
 
 
+class AfterMotion(NamedTuple):
+    """States (J, R) after a whole motion, how large each became (J, R), and slopes by those before it (R, J, J)."""
+
+    states: Array
+    largest: Array
+    by_start: Array
+
+
 class Turn:
     """What a whole motion makes of a set of states.
 
@@ -88,17 +96,14 @@ class Turn:
         self._ends, self._beginnings = (list(each) for each in zip(*index, strict=True))
         self._march = MachineMarch("turn", columns, source)
 
-    def __call__(self, start: Array, arguments: Sequence[Array], shape: tuple[int, int]) -> tuple[Array, Array, Array]:
-        """Give the set's states at the end, (J, R), how large each became, (J, R), and their slopes, (R, J, J).
-
-        The slopes are by the states at the beginning; what is taken is as of `Walk`.
-        """
+    def __call__(self, start: Array, arguments: Sequence[Array], shape: tuple[int, int]) -> AfterMotion:
+        """Give what becomes of the set's states; what is taken is as of `Walk`."""
         rows, count = shape[0], len(self.states)
         results = (2 * count + len(self._ends), rows)
         found = self._march(arguments, start[self.states], results, shape)
         slopes = np.zeros((rows, count, count))
         slopes[:, self._ends, self._beginnings] = found[2 * count :].T
-        return found[:count], found[count : 2 * count], slopes
+        return AfterMotion(found[:count], found[count : 2 * count], slopes)
 
 
 class StepSlopes:

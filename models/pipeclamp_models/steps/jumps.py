@@ -8,23 +8,23 @@ from typing import Any
 
 from pipeclamp_models.steps.within_step import Step
 
-SAMPLES = 200
+PLACES_PER_CYCLE = 200
 """Places on a cycle at which short steps are tried."""
 
-SHORT = 1e-7
+SHORT_PERIODS = 1e-7
 """A step so short that it moves what moves at all by far less than a jump, in periods."""
 
 JUMP = 1e-3
 """Of a state's largest value: what it moves by in a short step is no jump below it."""
 
-PARTS = 16
+PARTS_OF_A_STEP = 16
 """In which a step is walked of a law whose memory jumps: at a part's end instead of the step's. Play's force errs by
 4 % of its rms in 12 steps a cycle without, and by 0.4 % with them."""
 
 
 def parts_of_step(step: Step, k: Any, rest: Sequence[float], A: float, f: float) -> int:
     """Give in how many parts a law's step is walked; what is taken is as of `jumping`."""
-    return PARTS if jumping(step, k, rest, A, f) else 1
+    return PARTS_OF_A_STEP if jumping(step, k, rest, A, f) else 1
 
 
 def jumping(step: Step, k: Any, rest: Sequence[float], A: float, f: float) -> list[int]:
@@ -41,14 +41,14 @@ def jumping(step: Step, k: Any, rest: Sequence[float], A: float, f: float) -> li
     if not rest:
         return []
     for share, mean in ((1.0, 0.0), (0.3, 0.6)):
-        motion = [_place(A * share, A * mean, f, n) for n in range(2 * SAMPLES + 1)]
+        motion = [_place(A * share, A * mean, f, n) for n in range(2 * PLACES_PER_CYCLE + 1)]
         states = tuple(rest)
         sizes, moves = [0.0] * len(states), [0.0] * len(states)
         before = motion[0][0]
         for y, v in motion[1:]:
-            _, _, states = step(k, states, before, y, v, 1 / (f * SAMPLES))
+            _, _, states = step(k, states, before, y, v, 1 / (f * PLACES_PER_CYCLE))
             for turned in (v, -v):
-                h = SHORT / f
+                h = SHORT_PERIODS / f
                 here = step(k, states, y, y, turned, 0.0)[2]
                 ahead = step(k, here, y, y + h * turned, turned, h)[2]
                 moves = [max(most, abs(b - a)) for most, a, b in zip(moves, here, ahead, strict=True)]
@@ -60,5 +60,5 @@ def jumping(step: Step, k: Any, rest: Sequence[float], A: float, f: float) -> li
 
 def _place(amplitude: float, mean: float, f: float, n: int) -> tuple[float, float]:
     """Give displacement and velocity at a sample of a cycle."""
-    theta = 2 * math.pi * (n + 0.5) / SAMPLES
+    theta = 2 * math.pi * (n + 0.5) / PLACES_PER_CYCLE
     return mean + amplitude * math.sin(theta), 2 * math.pi * f * amplitude * math.cos(theta)

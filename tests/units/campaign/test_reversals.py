@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.fitting.observations import harmonics_of, loop_observations
+from pipeclamp_identification.fitting.observations import loop_observations, real_harmonics_of
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.signals.reversals import Bridged, bridged
 from pipeclamp_identification.signals.sampled_transform import sampled_transform
@@ -30,7 +30,7 @@ def test_a_step_between_samples_has_the_harmonics_of_its_own_place(samples):
     late = type(cycle)(
         np.cos(phase)[None], -omega * np.sin(phase)[None], -(omega**2) * np.cos(phase)[None], cycle.slow, cycle.h
     )
-    found = harmonics_of(force_of_law(FRICTION, late).force, 3)[0]
+    found = real_harmonics_of(force_of_law(FRICTION, late).force, 3)[0]
     first = (1000.0 + 100.0 * 4j / np.pi) * np.exp(1j * shift)
     # A step that is taken for the middle between samples would be off by 0.13 of a step: 1 N at 64 samples.
     assert found[1] == pytest.approx(first.real, abs=0.03 * 64 / samples)
@@ -59,7 +59,7 @@ def test_a_long_record_of_few_samples_a_cycle_shows_friction_through_its_samplin
     loops = loops_of(campaign_of(run_of(Record(time, y, 1000.0 * y + 100.0 * sign), "long")))
     observations = loop_observations(loops)
     law_force, seen = force_of_law(FRICTION, observations.motion), observations.seen
-    unaware = harmonics_of(law_force.force, 20) - observations.harmonics
+    unaware = real_harmonics_of(law_force.force, 20) - observations.harmonics
     residual = observations.plain_residual(law_force)
     assert np.max(np.abs(residual[seen])) < 0.12 * np.max(np.abs(unaware[seen]))
 

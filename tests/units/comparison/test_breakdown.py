@@ -93,7 +93,7 @@ def test_an_error_in_late_cycles_alone(sums_of):
 def test_many_cycles_are_grouped(sums_of):
     sums, _ = sums_of(({"cycles": 60, "rate": 120.0}, {}, in_loading))
     parts = breakdown.along_cycles(sums).parts
-    assert len(parts) == breakdown.MOST_CYCLES
+    assert len(parts) == breakdown.MOST_CYCLES_SINGLY
     assert parts[0].label == "cycles 1 to 5"
     assert cycles_sentence(sums) is None
 

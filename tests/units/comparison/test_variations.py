@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from pipeclamp.show.metrics import title_of
+from pipeclamp.show.metrics import study_title
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.loops.one_condition import loops_to_draw, principal_variations, variations_of
 from pipeclamp_identification.loops.published_rows import matching_row, published_rows
@@ -78,7 +78,7 @@ def test_a_further_condition_is_studied_too(harmonic_record, run_of, campaign_of
     campaign = campaign_of(*runs)
     (study,) = variations_of(campaign, loops_of(campaign))
     assert (study.quantity, study.values) == ("current_A", (0.0, 0.5, 1.0))
-    assert title_of(study) == "against current_A, at f 3 Hz, A 0.8 mm"
+    assert study_title(study) == "against current_A, at f 3 Hz, A 0.8 mm"
 
 
 def test_other_clamps_are_not_compared_with_the_published_one(harmonic_record, run_of):

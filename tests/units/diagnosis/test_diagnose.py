@@ -27,7 +27,7 @@ from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.least_squares import starting_points
-from pipeclamp_identification.fitting.observations import SAMPLES, points_enough
+from pipeclamp_identification.fitting.observations import SAMPLES_PER_CYCLE, points_enough
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow import on_records
 from pipeclamp_identification.workflow.auto import add_until_settled
@@ -107,7 +107,7 @@ def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
     """Noisy records of few samples: each is seen through its own sampling, at few points of the cycle."""
     plan = rig.TestPlan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)
     loops = loops_of(campaign(plan=plan))
-    assert points_enough(loops) < SAMPLES
+    assert points_enough(loops) < SAMPLES_PER_CYCLE
     structure = Structure("power", ("loosening",))
     problem, fitted = prepare(structure, loops)
     law = judge((), structure, [fitted.law.values], problem)

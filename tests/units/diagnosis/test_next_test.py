@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.writing import joined_runs, write_campaig
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
-from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS, RIDDEN
+from pipeclamp_identification.diagnosis.further_test.outlook import RIDDEN, RUNS_OF_A_TEST
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of
@@ -59,7 +59,7 @@ def test_the_proposed_test_tells_the_rivals_apart(virtual, narrow, law, answer, 
     assert set(answer.diagnosis.effects) == {"stiffness_frequency", "inertia", "inner_mass"}
     path = tmp_path / "drive.csv"
     path.write_bytes(drive_content(answer.proposal.plan.signal(), path))
-    plan = rig.driven(replace(NARROW, rate=1000.0, repeats=REPEATS), read_drive(path))
+    plan = rig.driven(replace(NARROW, rate=1000.0, repeats=RUNS_OF_A_TEST), read_drive(path))
     write_campaign(tmp_path / "all", joined_runs([narrow, virtual(plan, 1)]), name="all", notes="")
     settled = diagnosed(law, read_campaign(tmp_path / "all")).diagnosis
     assert settled.effects[0] == "stiffness_frequency"

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.diagnosis.weighing.reasons import hidden_words, immaterial_words, pair_words
 
@@ -80,9 +80,9 @@ def test_what_scatter_may_hide_is_told_in_times_of_the_noise():
 def test_of_a_law_that_stays_it_is_told_where_it_is_farthest_off(verdict):
     """A law with no force in the smallest loops had been told by the error of all runs alone."""
     far = "at A = 0.05 mm the law errs by 99.99% of the force there (7 runs)"
-    found = Diagnosed(SimpleNamespace(verdict=verdict), SimpleNamespace(farthest_off=far))
+    found = RecordDiagnosed(SimpleNamespace(verdict=verdict), SimpleNamespace(farthest_off=far))
     assert found.farthest_off() == ((far,) if verdict in ("complete", "unknown") else ())
-    assert Diagnosed(found.diagnosis, SimpleNamespace(farthest_off="")).farthest_off() == ()
+    assert RecordDiagnosed(found.diagnosis, SimpleNamespace(farthest_off="")).farthest_off() == ()
 
 
 @pytest.mark.parametrize(("time_measured", "conditions"), [(True, ["amplitude", "frequency"]), (False, ["amplitude"])])
@@ -93,5 +93,5 @@ def test_no_frequency_is_missed_where_no_time_was_measured(time_measured, condit
         observations=SimpleNamespace(motion=SimpleNamespace(slow=slow)),
         loops=SimpleNamespace(time_measured=time_measured),
     )
-    told = Diagnosed(SimpleNamespace(problem=problem), SimpleNamespace()).untested()
+    told = RecordDiagnosed(SimpleNamespace(problem=problem), SimpleNamespace()).untested()
     assert [words.split(",")[0].removeprefix("all tests are at one ") for words in told] == conditions

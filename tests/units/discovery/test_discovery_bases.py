@@ -12,7 +12,7 @@ from pipeclamp_identification.discovery.bases import with_needed_back, without_l
 from pipeclamp_identification.discovery.discover import in_the_place_of_effects
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import Guard
-from pipeclamp_identification.discovery.hearing import Found
+from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.law.law import Law, Structure, with_effect
@@ -60,7 +60,9 @@ def test_a_term_is_sought_in_the_place_of_what_is_not_needed_beside_it(asked):
 
     def search(basis):
         places.append(basis.gone)
-        return Found(term, asked.found, asked.law, (), "", (Guard("", basis.gone == STANDS_FOR_IT, ""),), basis.gone)
+        return TermFound(
+            term, asked.found, asked.law, (), "", (Guard("", basis.gone == STANDS_FOR_IT, ""),), basis.gone
+        )
 
     passed = in_the_place_of_effects(asked.law, asked.problem, search, 1, silent)
     assert [one.gone for one in passed] == [STANDS_FOR_IT]

@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.discovery import discover, guards
-from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
@@ -33,9 +33,9 @@ from pipeclamp_identification.discovery.guards import (
     weighed_errors,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.hearing import Found, Refitted, beside, best_of
+from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, best_of, screened_beside
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
-from pipeclamp_identification.discovery.search import screened
+from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.bundled import open_law
@@ -200,7 +200,7 @@ def test_terms_in_different_places_are_held_together_in_the_weights_of_the_best(
     def heard(name, squares, parameters):
         law = SimpleNamespace(values=dict.fromkeys(range(parameters)), structure=name)
         judged = SimpleNamespace(squares=squares, result=SimpleNamespace(law=law))
-        return Found(term, judged, None, (), "", (Guard("asked", True, ""),), (name,))
+        return TermFound(term, judged, None, (), "", (Guard("asked", True, ""),), (name,))
 
     def weighed(judged, problem):
         return SimpleNamespace(squares=problem * judged.squares, result=judged.result)
@@ -221,7 +221,7 @@ def test_what_does_as_well_in_the_place_of_effects_is_a_rival(monkeypatch):
     def heard(name, squares, passed, gone):
         judged = SimpleNamespace(squares=squares, result=SimpleNamespace(law=name))
         guard = Guard("asked", passed, "")
-        return Found(by_id[f"found_{name}"], judged, None, (), "", (guard,), gone)
+        return TermFound(by_id[f"found_{name}"], judged, None, (), "", (guard,), gone)
 
     beside = heard("dry_damping", 103.0, True, ())
     instead = heard("thinning_damping", 100.0, True, ("stribeck",))
@@ -241,11 +241,11 @@ def test_the_simplest_stands_for_terms_that_act_as_one():
     shared, other = random.standard_normal((2, 8, 5))
     names = ("found_damping_off_middle", "found_viscous_damping_off_middle", "found_saturating_spring")
     columns = [
-        Column(by_id[name], {}, change, True)
+        TermColumn(by_id[name], {}, change, True)
         for name, change in zip(names, (shared + 1e-6 * other, shared, other), strict=True)
     ]
     residual = 2 * shared + other
-    found = screened(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
+    found = screened_columns(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
     assert found.best_first(3) == [1, 2]
 
 
@@ -325,13 +325,15 @@ def test_what_a_term_explains_itself_is_no_chance():
     # as factors on one coefficient are: each run's share of the same pattern
     pattern, shares = random.standard_normal(6), random.standard_normal((len(names), runs))
     columns = [
-        Column(by_id[name], {}, share[:, None] * pattern, True) for name, share in zip(names, shares, strict=True)
+        TermColumn(by_id[name], {}, share[:, None] * pattern, True) for name, share in zip(names, shares, strict=True)
     ]
     noise = random.standard_normal((runs, 6))
     groups = np.repeat(np.arange(10), 4)
 
     def threshold(size, without):
-        found = screened(columns, size * columns[7].change + noise, random.standard_normal((runs, 6, 2)), groups)
+        found = screened_columns(
+            columns, size * columns[7].change + noise, random.standard_normal((runs, 6, 2)), groups
+        )
         return (found.without(7) if without else found).by_chance()
 
     assert threshold(5.0, without=False) > 5 * threshold(0.0, without=False)
@@ -368,8 +370,8 @@ def test_signs_are_turned_in_sums_over_groups():
     random = np.random.default_rng(2)
     change, residual = random.standard_normal((2, 6, 5))
     groups, signs = np.array([2, 0, 1, 0, 2, 1]), np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
-    column = Column(by_id["found_saturating_spring"], {}, change, True)
-    found = screened([column], residual, random.standard_normal((6, 5, 1)), groups)
+    column = TermColumn(by_id["found_saturating_spring"], {}, change, True)
+    found = screened_columns([column], residual, random.standard_normal((6, 5, 1)), groups)
     free = found.free[:, 0].reshape(6, 5).astype(float)
     products = found.by_run[0][:, 0] * signs
     expected = 0.0
@@ -403,7 +405,7 @@ def refitted(strength, fitted, jacobian, residual):
     term = next(one for one in terms((), {}) if one.declaration.id == "found_periodic_spring")
     result = SimpleNamespace(fitted=fitted, law=SimpleNamespace(values={"F_x": strength, "y_x": 0.1, "k": 1.0}))
     judged = SimpleNamespace(result=result, fitted=SimpleNamespace(residual=residual, jacobian=jacobian))
-    return Refitted(judged, term, Column(term, {"y_x": 0.1}, np.zeros_like(residual), True))
+    return RefittedTerm(judged, term, TermColumn(term, {"y_x": 0.1}, np.zeros_like(residual), True))
 
 
 def test_what_a_term_explains_is_asked_where_the_law_was_fitted_with_it():
@@ -415,14 +417,14 @@ def test_what_a_term_explains_is_asked_where_the_law_was_fitted_with_it():
     one = refitted(
         2.0, ("k", "F_x", "y_x"), np.stack([-tangent, -change, random.standard_normal((24, 5))], 2), residual
     )
-    own = beside(one, groups).explained()[-1]
+    own = screened_beside(one, groups).explained()[-1]
     assert own == pytest.approx(np.sum((2.0 * change) ** 2), rel=0.2)
-    lookalike = screened([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
+    lookalike = screened_columns([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
     assert lookalike.explained()[0] < 1e-6 * own  # the law alone, whose tangents do what the term does
-    assert beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
+    assert screened_beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
 
 
 def test_a_term_whose_strength_ended_at_its_bound_explains_nothing():
     random = np.random.default_rng(4)
     one = refitted(0.0, ("k",), random.standard_normal((24, 5, 1)), random.standard_normal((24, 5)))
-    assert beside(one, np.repeat(np.arange(8), 3)).explained()[-1] == 0.0
+    assert screened_beside(one, np.repeat(np.arange(8), 3)).explained()[-1] == 0.0

@@ -10,7 +10,7 @@ from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery import refining
 from pipeclamp_identification.discovery.columns import Evaluation
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.hearing import Bar, Hearing, refitted_of
+from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.weights import weighed_by
 from pipeclamp_identification.loops.loops import loops_of
@@ -49,7 +49,7 @@ def hearing(tmp_path_factory):
         )
     ]
     columns = [column for name in STARTS for column in evaluation.columns(TERMS[name])]
-    return Hearing(evaluation, columns, fitted, Bar(law, [], loops, ()))
+    return Hearing(evaluation, columns, fitted, Hurdle(law, [], loops, ()))
 
 
 def test_what_a_term_takes_is_granted_no_longer(hearing):

@@ -7,16 +7,16 @@ import pytest
 
 from pipeclamp.show.discovery import discovery_words, formula_read
 from pipeclamp_identification.discovery import discover
-from pipeclamp_identification.discovery.discover import Search
+from pipeclamp_identification.discovery.discover import TermSearch
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.proposal import Proposal, formula_of
+from pipeclamp_identification.discovery.proposal import TermProposal, formula_of
 
 
 def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():
     diagnosed = SimpleNamespace(left_over=lambda: ("the law as it is leaves 4 N", "most of it lies in harmonic 3"))
     for tried, told in ((348, True), (0, False)):
-        search = Search(diagnosed, None, tried, "no term explains more than chance")
-        words = " ".join(discovery_words(Proposal(search, None, None, None, None, None, (), search.reason, ())))
+        search = TermSearch(diagnosed, None, tried, "no term explains more than chance")
+        words = " ".join(discovery_words(TermProposal(search, None, None, None, None, None, (), search.reason, ())))
         assert words.startswith("Nothing is proposed: no term explains more than chance.")
         assert ("348 terms were tried" in words) == told
         assert ("the law as it is leaves 4 N; most of it lies in harmonic 3." in words) == told
@@ -25,8 +25,8 @@ def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():
 def test_where_the_rest_lies_is_in_the_answer_too():
     """Programs had to diagnose again for it; and where nothing can be said of it, the sentence had been empty."""
     for rest in (("the law as it is leaves 4 N",), ()):
-        search = Search(SimpleNamespace(left_over=lambda rest=rest: rest), None, 348, "no term explains enough")
-        proposal = Proposal(search, None, None, None, None, None, (), search.reason, ())
+        search = TermSearch(SimpleNamespace(left_over=lambda rest=rest: rest), None, 348, "no term explains enough")
+        proposal = TermProposal(search, None, None, None, None, None, (), search.reason, ())
         assert proposal.answer().left_over == rest
         assert any("Where the rest lies" in line for line in discovery_words(proposal)) == bool(rest)
 
@@ -39,8 +39,8 @@ def test_the_best_term_is_told_by_what_its_numbers_are():
     judged = SimpleNamespace(result=fit)
     found = SimpleNamespace(term=stop, judged=judged, rivals=(), next_test="", caution="")
     reason = f"{stop.acts_like}: it comes back in 53% of draws"
-    search = Search(SimpleNamespace(left_over=lambda: ()), found, 348, reason)
-    proposal = Proposal(search, None, None, None, None, None, (), reason, ())
+    search = TermSearch(SimpleNamespace(left_over=lambda: ()), found, 348, reason)
+    proposal = TermProposal(search, None, None, None, None, None, (), reason, ())
     words = discovery_words(proposal)
     assert words[:2] == [
         "Nothing is proposed: a spring that begins beyond a displacement on both sides and grows with the square: it "

@@ -8,7 +8,14 @@ from banded import SPREAD, banded
 from scipy.optimize import approx_fprime, minimize
 from scipy.stats import multivariate_normal
 
-from pipeclamp_identification.fitting.local_form import EASY, FAR, FEW, NEAR, likeliest, unlikeliness
+from pipeclamp_identification.fitting.local_form import (
+    EASY,
+    FAR_LENGTH,
+    NEAR_LENGTH,
+    RUNS_SEEN_ROUGHLY,
+    likeliest_form,
+    unlikeliness,
+)
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import KrigedShare, LocalForm, read_law, write_law
 from pipeclamp_models.law.local_form import Kriged, likeness, squares
@@ -65,15 +72,15 @@ def test_a_few_of_many_tests_lead_to_what_all_find_likeliest():
     drawn = np.random.default_rng(3)
     plan = np.stack(np.meshgrid(*(np.linspace(-1.5, 1.5, levels) for levels in (4, 5, 8)), indexing="ij"), axis=-1)
     tested = plan.reshape(-1, 3) + 0.01 * drawn.normal(size=(160, 3))
-    assert len(tested) > FEW
+    assert len(tested) > RUNS_SEEN_ROUGHLY
     apart, variances = squares(tested, tested), np.full(160, 1e-4)
     among = 0.05**2 * likeness(apart, np.array([0.7, 2.0, 1.0])) + np.diag(variances)
     shares = drawn.multivariate_normal(np.zeros(160), among)
     expected = np.append(np.zeros(3), np.log(0.04))
-    deviation, lengths, *_ = likeliest(tested, shares, variances, 0.04)
+    deviation, lengths, *_ = likeliest_form(tested, shares, variances, 0.04)
     given = apart, shares, variances, expected
     found = unlikeliness(np.log(np.append(lengths, deviation)), *given)[0]
-    for length in (NEAR, FAR):
+    for length in (NEAR_LENGTH, FAR_LENGTH):
         start = np.append(np.full(3, np.log(length)), np.log(0.04))
         by_all = minimize(unlikeliness, start, given, method="L-BFGS-B", jac=True)
         assert found <= by_all.fun + 1e-5

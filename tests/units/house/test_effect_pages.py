@@ -10,7 +10,7 @@ import pytest
 from project import BUILD_SCRIPTS
 
 from pipeclamp_models.law.catalogue import find_effect, listed
-from pipeclamp_models.realise.effect_loops import SEEN, loops_with_and_without
+from pipeclamp_models.realise.effect_loops import SEEN_SHARE, loops_with_and_without
 
 pytest.importorskip("matplotlib", reason="needs the extra docs")
 pytest.importorskip("sphinx", reason="needs the extra docs")
@@ -47,7 +47,7 @@ def test_a_doi_is_a_link():
 def test_a_picture_shows_the_effect(name):
     loops = loops_with_and_without(find_effect(name))
     difference = np.max(np.abs(loops.with_it - loops.without)) / np.max(np.abs(loops.without))
-    assert difference > SEEN / 2
+    assert difference > SEEN_SHARE / 2
     assert np.isfinite(loops.with_it).all()
 
 

@@ -204,7 +204,7 @@ def test_what_is_derived_of_expressions_has_a_bound_of_time(write, monkeypatch):
         while True:
             pass
 
-    monkeypatch.setattr(bounded, "MOST_SECONDS", 0.2)
+    monkeypatch.setattr(bounded, "MOST_SECONDS_DERIVING", 0.2)
     monkeypatch.setattr(sys.modules[write.__module__], "stepping", forever)
     with pytest.raises(UserError, match=r"more than 0\.2 s to be worked out"):
         write(law_of(open_law("emwm2")).structure)

@@ -14,7 +14,7 @@ from pipeclamp_models.base.kept import kept, version_of
 from pipeclamp_models.law.catalogue import listed
 from pipeclamp_models.law.compose import brought_into_view
 from pipeclamp_models.law.law import Structure, bare_for, with_effect
-from pipeclamp_models.law.outline import REACH, as_json, from_json, number_in, outline_of
+from pipeclamp_models.law.outline import WIDER_STARTS, as_json, from_json, number_in, outline_of
 from pipeclamp_models.realise import array_source as array_source_module
 from pipeclamp_models.realise.array_source import array_source
 from pipeclamp_models.realise.arrays import realise
@@ -95,8 +95,8 @@ def test_starts_and_bounds_are_those_that_the_effect_states(effect):
         ours = [number_in(value, SIZES) for value in (*found.starts, found.lower, found.upper, found.spread or 0.0)]
         stated = [
             *(factor * start for factor in factors for start in parameter.starts),
-            parameter.lower * min(number_of(factor, SIZES) for factor in factors) ** REACH,
-            parameter.upper * max(number_of(factor, SIZES) for factor in factors) ** REACH,
+            parameter.lower * min(number_of(factor, SIZES) for factor in factors) ** WIDER_STARTS,
+            parameter.upper * max(number_of(factor, SIZES) for factor in factors) ** WIDER_STARTS,
             parameter.spread or 0.0,
         ]
         assert ours == pytest.approx([number_of(value, SIZES) for value in stated], rel=1e-14, abs=0.0)

@@ -189,5 +189,5 @@ def test_memory_that_does_not_settle_is_marked(monkeypatch):
     law = Law(structure, values, 1e-2, 1e-3)
     motion = sinusoids([0.2, 0.5], 3.0, 300.0, 64)
     assert not force_of_law(law, motion).unsettled.any()
-    monkeypatch.setattr("pipeclamp_models.realise.states.SETTLED", -1.0)  # no change is small enough
+    monkeypatch.setattr("pipeclamp_models.realise.states.SETTLED_SHARE", -1.0)  # no change is small enough
     assert force_of_law(law, motion).unsettled.all()

@@ -8,7 +8,7 @@ import pytest
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.metrics_only.evidence import judge_metrics, scatter_of
+from pipeclamp_identification.metrics_only.evidence import judge_metrics, metric_scatter_of
 from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.metrics_only.next_test import next_metric_test
 from pipeclamp_identification.metrics_only.observations import loop_energies
@@ -85,7 +85,7 @@ def test_what_metrics_show_is_not_hidden(quiet, name):
 
 
 def test_the_scatter_lies_between_what_was_expected_and_what_is_left(quiet):
-    scatter = scatter_of(*quiet, 0.01)
+    scatter = metric_scatter_of(*quiet, 0.01)
     assert np.all(scatter.share > 0.002)
     assert np.all(scatter.share < 0.01)
     assert scatter.freedoms.sum() == pytest.approx(8 + quiet[0].freedoms, abs=1.5)

@@ -19,7 +19,7 @@ from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.misstated import warmth_words
 from pipeclamp_identification.attribution.next_test import propose
-from pipeclamp_identification.attribution.noise import likeliest_noise, noise_of
+from pipeclamp_identification.attribution.noise import likeliest_noise, misfit_noise
 from pipeclamp_identification.attribution.refit import as_stated, changed
 from pipeclamp_identification.attribution.repeats import repeats
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
@@ -313,7 +313,7 @@ def test_roughness_tells_the_noise_whatever_the_misfit(comparison):
     rng = np.random.default_rng(3)
     noise = 0.02 * np.abs(smooth) * (rng.standard_normal(smooth.shape) + 1j * rng.standard_normal(smooth.shape))
     measured = replace(comparison.measurement.steady, response=smooth + noise)
-    found = noise_of(replace(comparison.measurement, steady=measured), smooth / 1.1)
+    found = misfit_noise(replace(comparison.measurement, steady=measured), smooth / 1.1)
     assert found is not None and found.shape == response.shape
     assert float(np.median(found / np.abs(smooth))) == pytest.approx(0.02, rel=0.35)
 
@@ -344,7 +344,7 @@ def test_what_a_true_model_leaves_tells_the_noise_better_than_its_roughness(comp
         drawn = replace(measurement, steady=replace(measurement.steady, response=noisy))
         size = 0.02 * np.abs(noisy)
         ratios.append(
-            [np.median(noise_of(drawn, computed) / size), np.median(likeliest_noise(drawn, computed, 0) / size)]
+            [np.median(misfit_noise(drawn, computed) / size), np.median(likeliest_noise(drawn, computed, 0) / size)]
         )
     (_, likeliest), (rough_spread, spread) = np.mean(ratios, axis=0), np.std(ratios, axis=0)
     assert likeliest == pytest.approx(1.0, abs=0.05)

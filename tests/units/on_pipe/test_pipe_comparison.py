@@ -19,7 +19,7 @@ from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.on_pipe.where import highest_peaks, how_much, where_words
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.harmonics import DOUBTFUL
+from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
 
 MEASUREMENT = """
 name = "test"
@@ -268,11 +268,11 @@ def test_what_is_compared_is_stable_in_as_many_harmonics_as_a_gap_asks_for(tmp_p
     (measured / "sines.csv").write_text(SHOT, encoding="utf-8")
     enough = compare_pipe(tmp_path / "system.toml", measured)
     assert enough.nrmse < 0.01
-    assert np.nanmax(enough.truncated) < DOUBTFUL
+    assert np.nanmax(enough.truncated) < DOUBTFUL_SHARE
     assert "truncated" not in "".join(where_words(enough))
     with (tmp_path / "system.toml").open("a", encoding="utf-8") as file:
         file.write("[response]\nfrom_Hz = 9.0\nto_Hz = 12.0\nharmonics = 1\n")
     few = compare_pipe(tmp_path / "system.toml", measured)
     assert few.nrmse > 3 * enough.nrmse
-    assert np.nanmax(few.truncated) > 2 * DOUBTFUL
+    assert np.nanmax(few.truncated) > 2 * DOUBTFUL_SHARE
     assert "the model's own motion is truncated" in "".join(where_words(few))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp_identification.attribution.noise import FLOOR, MODEL_ERROR
+from pipeclamp_identification.attribution.noise import MODEL_ERROR, TRUSTED_SHARE
 from pipeclamp_identification.attribution.record_evidence import LINES, RecordEvidence, cells_of
 from pipeclamp_identification.on_pipe.measurement import ProbeTable
 from pipeclamp_identification.on_pipe.record_files import MotionRecord
@@ -72,5 +72,5 @@ def test_a_model_is_not_held_to_more_than_it_can_do():
     computed = motion()
     found = evidence(computed).renewed(RecordPrediction(computed, ()))
     size = np.sqrt(np.sum(np.abs(found.measured) ** 2, axis=2))
-    least = np.hypot(MODEL_ERROR * size, FLOOR * size.max(axis=(0, 1)))
+    least = np.hypot(MODEL_ERROR * size, TRUSTED_SHARE * size.max(axis=(0, 1)))
     assert found.noise[found.used] == pytest.approx(least[found.used])

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from pipeclamp.pages.sections import comparison_page
-from pipeclamp.pages.waterfall import ESTIMATED, LEFT_OUT, USED, Rung, rungs_of, waterfall_picture, with_promised
+from pipeclamp.pages.waterfall import ESTIMATED, LEFT_OUT, USED, RungBars, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.law import parameters_table
 from pipeclamp.show.views import comparison_view, laws_view
 from pipeclamp_identification.campaign.bundled import bundled_campaign
@@ -79,14 +79,14 @@ def test_an_estimated_error_never_takes_the_place_of_that_of_fits(climbed):
     """Two quantities have two names; what comes takes the share that the diagnosis states, whatever the bars are."""
     _, _, added, _ = climbed
     rungs = rungs_of(added)
-    now, coming = Rung("law as it is", {ESTIMATED: 0.02}), Rung("or + a + b", {ESTIMATED: 0.01}, True, 0.73)
+    now, coming = RungBars("law as it is", {ESTIMATED: 0.02}), RungBars("or + a + b", {ESTIMATED: 0.01}, True, 0.73)
     assert with_promised(rungs, now, [])[-1] == rungs[-1]
     *_, last, more = with_promised(rungs, now, [coming])
     assert last.errors == {**rungs[-1].errors, ESTIMATED: 0.02}
     assert more == coming
     label = waterfall_picture([*rungs[:-1], last, more], None, "falling").data[0].x[-1]
     assert label == "or + a<br>+ b<br>would take 73%<br>of what is missing"
-    untold = [Rung("power", {USED: 0.02})]
+    untold = [RungBars("power", {USED: 0.02})]
     assert with_promised(untold, now, [])[-1].errors == {USED: 0.02, ESTIMATED: 0.02}
 
 
@@ -94,11 +94,11 @@ def test_names_of_many_rungs_stand_beside_each_other_without_overlapping():
     """At 1300 px "+ stiffness_frequency" ran into "+ damping_temperature" and that into "+ exponential_stiffening"."""
     names = ["power", "+ stiffness_frequency", "+ damping_temperature", "+ exponential_stiffening", "+ inertia"]
     names += ["+ slip_spread", "+ loosening", "+ oil_damper + gas_spring"]
-    picture = waterfall_picture([Rung(name, {LEFT_OUT: 0.1}) for name in names], None, "falling")
+    picture = waterfall_picture([RungBars(name, {LEFT_OUT: 0.1}) for name in names], None, "falling")
     labels = picture.data[0].x
     assert max(len(line) for label in labels for line in label.split("<br>")) <= (1100 - 130) / 7 / len(names) + 1
     assert labels[3].replace("<br>", "").startswith("+\N{NO-BREAK SPACE}exponential_stiffening")
-    assert waterfall_picture([Rung(names[3], {LEFT_OUT: 0.1})], None, "").data[0].x[0].count("<br>") == 1
+    assert waterfall_picture([RungBars(names[3], {LEFT_OUT: 0.1})], None, "").data[0].x[0].count("<br>") == 1
 
 
 def test_a_standard_error_is_told_in_plain_figures(climbed):
@@ -112,6 +112,6 @@ def test_a_standard_error_is_told_in_plain_figures(climbed):
 
 def test_bars_of_one_kind_say_which_tests_they_are_of():
     """A law held against others than it was fitted to: the bars aren't the error that the answer states."""
-    picture = waterfall_picture([Rung("power", {USED: 0.1})], None, "")
+    picture = waterfall_picture([RungBars("power", {USED: 0.1})], None, "")
     assert picture.layout.showlegend
     assert [bar.name for bar in picture.data] == [USED]

@@ -20,7 +20,7 @@ from pipeclamp.pages.pictures import (
     surface_picture,
     thinned,
 )
-from pipeclamp.pages.waterfall import LEFT_OUT, Rung, waterfall_picture
+from pipeclamp.pages.waterfall import LEFT_OUT, RungBars, waterfall_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -39,7 +39,7 @@ FIGURES = [
         ConditionsMap(["0.2", "0.5"], ["1"], ["20 °C"], np.array([[[1.0], [np.nan]]]), np.full((1, 2, 1), np.nan)),
         "map",
     ),
-    waterfall_picture([Rung("base", {LEFT_OUT: 0.03}), Rung("+ memory", {LEFT_OUT: 0.01})], 0.005, "falling"),
+    waterfall_picture([RungBars("base", {LEFT_OUT: 0.03}), RungBars("+ memory", {LEFT_OUT: 0.01})], 0.005, "falling"),
 ]
 
 

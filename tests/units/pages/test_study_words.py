@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeclamp.pages.system.study import setting, title_of
+from pipeclamp.pages.system.study import axis_setting, axis_title
 
 
 @pytest.mark.parametrize(
@@ -19,5 +19,5 @@ from pipeclamp.pages.system.study import setting, title_of
     ],
 )
 def test_what_is_varied_in_words(axis, title, told):
-    assert title_of(axis) == title
-    assert setting(axis, 4.5) == told
+    assert axis_title(axis) == title
+    assert axis_setting(axis, 4.5) == told

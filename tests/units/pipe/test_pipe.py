@@ -11,7 +11,7 @@ import pytest
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.pipe.description import PipeDescription, parse_pipe, read_pipe
 from pipeclamp_models.pipe.modes import reduce
-from pipeclamp_models.pipe.truncation import ModalModel, Reference
+from pipeclamp_models.pipe.truncation import FullResponse, ModalModel
 
 PIPE = """
 name = "bench"
@@ -146,7 +146,7 @@ def test_the_check_of_the_reduction_sees_a_reduction_that_is_wrong() -> None:
     omega, damping = np.array(reduced.omega), np.array(reduced.damping)
     shapes = np.array(reduced.clamp_shapes)
     good = ModalModel(omega, damping, shapes.T, shapes)
-    reference = Reference(good, reduced.kept, 2 * pi * 300)
+    reference = FullResponse(good, reduced.kept, 2 * pi * 300)
     assert reference.errors(good, reduced.kept).response == 0.0
     bad = ModalModel(omega * 1.001, damping, shapes.T, shapes)
     errors = reference.errors(bad, reduced.kept)

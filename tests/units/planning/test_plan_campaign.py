@@ -13,7 +13,7 @@ from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
-from pipeclamp_identification.planning.campaign import Asked, plan_campaign
+from pipeclamp_identification.planning.campaign import PlanRequest, plan_campaign
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size
 from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_identification.planning.scene import scene
@@ -136,13 +136,13 @@ def test_an_effect_that_does_nothing_when_small_has_a_size():
 
 def test_a_plan_keeps_its_hours_and_its_limits():
     limits = parse_limits("A=0.2..1,f=1..6,T=20..20,v=..25")
-    plan = plan_campaign(open_law("emwm2"), limits, Asked(hours=0.5))
+    plan = plan_campaign(open_law("emwm2"), limits, PlanRequest(hours=0.5))
     assert plan.hours <= 0.5
     assert all(2 * np.pi * run.amplitude_mm * run.frequency_Hz <= 25 for run in plan.runs)
     assert len(plan.stages) == 1
     assert plan.stages[-1].newtons == pytest.approx(plan.power.from_newtons)
     with pytest.raises(UsageError, match="no campaign fits into that; the shortest takes"):
-        plan_campaign(open_law("emwm2"), limits, Asked(hours=0.01))
+        plan_campaign(open_law("emwm2"), limits, PlanRequest(hours=0.01))
 
 
 def test_the_table_is_read_back(tmp_path):

@@ -11,14 +11,14 @@ from banded import SPREAD, banded
 
 from pipeclamp.show.narrowing import beyond_words
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
+from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
-from pipeclamp_identification.planning.narrowing import WORTH, Map, plan_tests
+from pipeclamp_identification.planning.narrowing import WORTH_SHARE, Map, plan_tests
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
 from pipeclamp_models.law.range import conditions_beyond
-from pipeclamp_system.bands.quantities import unknown
+from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
 from pipeclamp_system.steady.response import run_response
@@ -56,7 +56,7 @@ def test_a_test_tells_of_the_form_elsewhere_what_kriging_makes_of_it(tested):
     """Where the law's parameters are known, the two ways to reckon it agree: Bayes' rule, and one more kriged test."""
     law, used = kriged_law(), {"A": 0.3, "f": 4.0}
     off = np.random.default_rng(2).standard_normal((2, 1, 6))
-    scatter = 1e-4 / REPEATS
+    scatter = 1e-4 / RUNS_OF_A_TEST
     error = 1e-12 * np.eye(6) + sum(scatter * np.outer(one[0], one[0]) for one in off)
     grid = {name: np.array([value]) for name, value in tested.items()}
     field = LoopTests(law, grid, np.zeros((0, 1, 6)), error[None], off)
@@ -81,7 +81,7 @@ def test_beyond_the_range_a_test_leaves_the_way_from_it(tested, left):
 
 def test_the_form_of_clamps_by_themselves_is_that_of_one_law():
     law = varied(open_law("emwm2").model_copy(update={"spread": SPREAD}))
-    what = unknown([law, law], ["one", "other"], solved=True)
+    what = unknown_of_clamps([law, law], ["one", "other"], solved=True)
     apart = what.by_clamp()
     assert len(apart.quantities) == len(what.quantities) + 2
     both = [np.sum([one.sizes(clamp, {}) for clamp in (0, 1)], axis=0) for one in (what, apart)]
@@ -100,7 +100,7 @@ def test_the_band_is_the_responses_and_narrows(tmp_path, spread):
     assert (plan.before.amplitude.low, plan.before.amplitude.high) == pytest.approx((told.low, told.high), rel=1e-9)
     widths = [band.high - band.low for band in (plan.before.amplitude, *(test.amplitude for test in plan.tests))]
     assert plan.tests
-    assert all(after < (1 - WORTH) * before for before, after in pairwise(widths))
+    assert all(after < (1 - WORTH_SHARE) * before for before, after in pairwise(widths))
     assert plan.floor.high - plan.floor.low <= widths[-1] * (1 + 1e-9)
     for test in plan.tests:
         assert 0.02 <= test.amplitude_mm <= 1

@@ -29,8 +29,8 @@ from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
 from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
-from pipeclamp.studio.session import Step
-from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
+from pipeclamp.studio.session import SessionStep
+from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -207,7 +207,7 @@ def test_what_is_missing_is_added_until_nothing_helps(hiding, tmp_path):
     climbed, same = read_law(Path(last)), add_until_settled(law.file, RecordTests(read_campaign(hiding)), command="")
     assert climbed.effects == ("asymmetry",)
     assert law_of(climbed).values == law_of(same.file).values
-    told = Told.model_validate_json((tmp_path / "law2.told.json").read_text())
+    told = ToldDiagnosis.model_validate_json((tmp_path / "law2.told.json").read_text())
     assert (told.verdict, told.law_command) == ("complete", stamp(climbed))
     assert any(words.startswith("+ asymmetry\n") and "on left-out conditions; " in words for words in said)
 
@@ -263,7 +263,7 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
         explained=0.9, against=(), effects=both, values=fitted.values,
     )  # fmt: skip
     promised = ToldRung(label="+ viscous + asymmetry", heldout_nrmse=0.004, explained=0.9)
-    told = Told(
+    told = ToldDiagnosis(
         law_command=stamp(law), verdict="missing", kind="part", effects=both[:1], together=both, headline="Part",
         words=("both",), rung=("both",), lines=(), heldout_nrmse=0.01, candidates=(of_both,), promised=(promised,),
         next_test="", drive=False,
@@ -432,7 +432,7 @@ def test_what_was_being_done_when_the_studio_was_killed_is_told_where_it_left_a_
     project = Project(str(campaign), later)
     done = len(project.steps)
     for law, stopped in (("law2", True), ("law3", True), ("law4", False)):
-        project.begin(Step(command=f"pipeclamp makes {law}", law=law, of="law1", stopped=stopped))
+        project.begin(SessionStep(command=f"pipeclamp makes {law}", law=law, of="law1", stopped=stopped))
     for law in ("law2", "law4"):
         shutil.copy(later / "law1.json", later / f"{law}.json")
     again = Project(str(campaign), later)

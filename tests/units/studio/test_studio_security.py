@@ -180,8 +180,8 @@ def test_uploads_are_limited(studio, monkeypatch):
     def put(name, content, batch=BATCH, headers=None):
         return studio.ask(f"/uploads/{batch}/{name}", "PUT", content, headers)[0]
 
-    monkeypatch.setattr(uploads, "MOST_BYTES", 10)
-    monkeypatch.setattr(uploads, "MOST_FILES", 2)
+    monkeypatch.setattr(uploads, "MOST_UPLOAD_BYTES", 10)
+    monkeypatch.setattr(uploads, "MOST_UPLOAD_FILES", 2)
     assert put("a.csv", b"0123456789") == 200
     assert put("a.csv", b"0") == 400
     assert put("b.csv", b"0123456789x") == 413
@@ -198,7 +198,7 @@ def test_an_upload_that_is_longer_than_it_says_leaves_nothing(tmp_path, monkeypa
         for _ in range(4):
             yield b"0123"
 
-    monkeypatch.setattr(uploads, "MOST_BYTES", 10)
+    monkeypatch.setattr(uploads, "MOST_UPLOAD_BYTES", 10)
     with pytest.raises(UserError, match="too large"):
         asyncio.run(uploads.take(tmp_path, BATCH, "a.csv", pieces()))
     assert not list((tmp_path / "uploads" / BATCH).iterdir())

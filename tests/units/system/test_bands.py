@@ -11,7 +11,7 @@ from banded import FORM, SPREAD, banded
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_system.bands.band import band_of, steps_of
-from pipeclamp_system.bands.quantities import unknown
+from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import BandedSystem, banded_system, response_bands
 from pipeclamp_system.bands.varied import varied
 from pipeclamp_system.steady.response import amplitudes_of, run_response
@@ -85,7 +85,7 @@ def test_normal_steps_and_shares():
     assert steps_of(95.0) == pytest.approx(1.95996, rel=1e-5)
     assert json.loads(SPREAD.model_dump_json())["runs"] == {"stiffness": 0.01, "damping": 0.03}
     law = varied(open_law("emwm2").model_copy(update={"spread": SPREAD}))
-    what = unknown([law, law], ["one", "other"], solved=False)
+    what = unknown_of_clamps([law, law], ["one", "other"], solved=False)
     slopes = np.ones(len(what.quantities))
     band = band_of(10.0, slopes, what, 2.0, 1.0)
     assert band.deviation**2 == pytest.approx(float(what.covariance.sum()) + 1.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_system.coupling.bracketing import enclosed
-from pipeclamp_system.coupling.broyden import NotFoundError, Solver, Tolerance
+from pipeclamp_system.coupling.broyden import NotFoundError, Solver, SolverTolerance
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
@@ -24,7 +24,7 @@ def test_a_linear_function_far_from_a_contraction(count: int) -> None:
         calls.append(f)
         return list(start - gain @ f)
 
-    solver = Solver(count, Tolerance(1e-9, 100))
+    solver = Solver(count, SolverTolerance(1e-9, 100))
     assert solver.solve(answer, [0.0] * count) == pytest.approx(list(solution), rel=1e-6, abs=1e-6)
     first = len(calls)
     start = 2 * start  # the Jacobian is known by now
@@ -39,27 +39,27 @@ def test_a_step_like_function(offset: float) -> None:
     def answer(f: list[float]) -> list[float]:
         return [float(np.tanh(100 * (offset - f[0])))]
 
-    found = Solver(1, Tolerance(1e-8, 100)).solve(answer, [0.3])[0]
+    found = Solver(1, SolverTolerance(1e-8, 100)).solve(answer, [0.3])[0]
     assert found == pytest.approx(answer([found])[0], abs=1e-6)
 
 
 def test_zero_is_found_at_once() -> None:
-    assert Solver(2, Tolerance(1e-6, 60)).solve(lambda f: [0.0, 0.0], [0.0, 0.0]) == [0.0, 0.0]
+    assert Solver(2, SolverTolerance(1e-6, 60)).solve(lambda f: [0.0, 0.0], [0.0, 0.0]) == [0.0, 0.0]
 
 
 def test_no_unknowns() -> None:
-    assert Solver(0, Tolerance(1e-6, 60)).solve(lambda f: [], []) == []
+    assert Solver(0, SolverTolerance(1e-6, 60)).solve(lambda f: [], []) == []
 
 
 def test_too_few_trials_are_said() -> None:
     with pytest.raises(NotFoundError) as stopped:
-        Solver(1, Tolerance(1e-12, 3)).solve(lambda f: [float(np.tanh(100 * (1 - f[0])))], [0.3])
+        Solver(1, SolverTolerance(1e-12, 3)).solve(lambda f: [float(np.tanh(100 * (1 - f[0])))], [0.3])
     assert stopped.value.error > 1e-12
 
 
 def test_a_function_that_is_not_finite_is_not_a_solution() -> None:
     with pytest.raises(NotFoundError):
-        Solver(1, Tolerance(1e-6, 60)).solve(lambda f: [float("nan")], [0.0])
+        Solver(1, SolverTolerance(1e-6, 60)).solve(lambda f: [float("nan")], [0.0])
 
 
 def _friction(force, given=(30.0, -12.0), limit=20.0, width=1e-9):
@@ -69,7 +69,7 @@ def _friction(force, given=(30.0, -12.0), limit=20.0, width=1e-9):
 
 
 def test_forces_that_step_are_enclosed():
-    tolerance = Tolerance(1e-6, 60)
+    tolerance = SolverTolerance(1e-6, 60)
     with pytest.raises(NotFoundError):
         Solver(2, tolerance).solve(_friction, [0.0, 0.0])
     found = enclosed(_friction, [0.0, 0.0], [20.0, 20.0], tolerance)

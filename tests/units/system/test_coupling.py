@@ -15,7 +15,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.pipe import step as pipe_step
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
-from pipeclamp_system.coupling.broyden import Tolerance
+from pipeclamp_system.coupling.broyden import SolverTolerance
 from pipeclamp_system.coupling.implicit import LinearlyImplicit
 from pipeclamp_system.coupling.iterated import Iteration
 from pipeclamp_system.coupling.march import Point, System, march
@@ -148,7 +148,7 @@ def error(clamps: Sequence[ClampEquations], scheme: Scheme, end: float, steps: i
     """Give the largest error of a displacement against the monolithic solution, as a share of the largest one."""
     h = end / steps
     system = coupled(clamps, scheme, frequency)
-    points = list(march(system, advance_of(scheme, system, Tolerance(1e-9, 200)), h, steps))
+    points = list(march(system, advance_of(scheme, system, SolverTolerance(1e-9, 200)), h, steps))
     ours = np.array([point.displacement for point in points])
     time = np.arange(steps + 1) * h
     exact = solve_monolithic(reduced(len(clamps)), clamps, excitation(frequency), time, 1e-10).displacement
@@ -199,7 +199,7 @@ def test_steps_follow_the_energy_that_the_coupling_makes(scheme: Scheme) -> None
     errors, counts = [], []
     for tolerance in (1e-3, 1e-4):
         system = coupled(clamps, scheme, 15.0)
-        advance = advance_of(scheme, system, Tolerance(1e-9, 200))
+        advance = advance_of(scheme, system, SolverTolerance(1e-9, 200))
         points = list(march_controlled(system, advance, 4e-3, stop, tolerance))
         time = np.array([point.time for point in points])
         assert time[-1] == pytest.approx(stop, rel=1e-12)
@@ -226,7 +226,7 @@ def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
     """Over one step the clamp is stiffer than the pipe, so that f := clamps(pipe(f)) would grow."""
     clamps = [smooth(20_000.0, 0.0, 0.1)]
     system = coupled(clamps, "iterated", 15.0)
-    points = list(march(system, Iteration(system, Tolerance(1e-6, 60)), 1e-3, 200))
+    points = list(march(system, Iteration(system, SolverTolerance(1e-6, 60)), 1e-3, 200))
     assert np.mean([point.trials for point in points[1:]]) < 4
 
     system = coupled(clamps, "iterated", 15.0)
@@ -247,11 +247,11 @@ def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
 def test_a_step_that_does_not_converge_is_named() -> None:
     system = coupled([smooth(-30_000.0, 0.0, 0.0)], "iterated", 15.0)  # it pushes: no force is enclosed
     with pytest.raises(UserError, match=r"step \d+ \(t = .* s\).*2 trials.*smaller step_s"):
-        list(march(system, Iteration(system, Tolerance(1e-12, 2)), 1e-3, 300))
+        list(march(system, Iteration(system, SolverTolerance(1e-12, 2)), 1e-3, 300))
 
 
 def test_no_clamps_is_the_bare_pipe() -> None:
     pipe = reduced(2)
     for scheme in ORDER:
         system = System(PlainPipe(pipe, 0, scheme in ROLLS_BACK), (), excitation(10.0))
-        assert list(march(system, advance_of(scheme, system, Tolerance(1e-6, 60)), 1e-3, 5))[-1].force == ()
+        assert list(march(system, advance_of(scheme, system, SolverTolerance(1e-6, 60)), 1e-3, 5))[-1].force == ()

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from pipeclamp_system.cosim.repetition import REPEATS, off_a_cycle_before
+from pipeclamp_system.cosim.repetition import REPEATING_SHARE, off_a_cycle_before
 from pipeclamp_system.steady.dots import Dot
 from pipeclamp_system.steady.response import FrequencyResponse
 
@@ -19,7 +19,7 @@ def test_a_subharmonic_is_told_from_harmonics_in_any_step(step):
     time = np.arange(0.0, 10.0, step)
     turn = 2 * pi * FREQUENCY * time
     whole = 2.0 + np.sin(turn) + 0.1 * np.sin(2 * turn + 1)
-    assert off_a_cycle_before(time, whole, FREQUENCY) < REPEATS / 2
+    assert off_a_cycle_before(time, whole, FREQUENCY) < REPEATING_SHARE / 2
     third = 0.2 * np.sin(turn / 3)  # over a cycle it changes by 2 sin(60 degrees) of its size
     assert off_a_cycle_before(time, np.sin(turn) + third, FREQUENCY) == pytest.approx(
         0.2 * 3**0.5 / 1.04**0.5, rel=0.03

@@ -20,7 +20,7 @@ from pipeclamp_system.cosim.result import write_result
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.description.system import read_system
 from pipeclamp_system.steady import dots as response_dots
-from pipeclamp_system.steady.dots import CLOSE, Rest, co_simulated
+from pipeclamp_system.steady.dots import CLOSE_SHARE, Rest, co_simulated
 from pipeclamp_system.steady.response import run_response
 
 MET = 3.18
@@ -105,13 +105,13 @@ def test_a_dot_takes_the_step_at_which_it_is_right(tmp_path: Path) -> None:
     assert dot.settled
     assert dot.trusted
     assert dot.step == pytest.approx(1 / (128 * MET))
-    assert dot.difference < CLOSE
+    assert dot.difference < CLOSE_SHARE
     assert "NOT TO BE TRUSTED" not in found.summary()
 
 
 def test_a_dot_off_the_curve_is_confirmed_by_a_finer_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it stands still, the curve is what differs, and the dot says by how much."""
-    monkeypatch.setattr(response_dots, "MOST_CYCLES", 30)
+    monkeypatch.setattr(response_dots, "MOST_CYCLES_RUN", 30)
     file = write_example(tmp_path, 1 / (64 * 2.0), frequency=2.0)
     with finished(read_system(file), tmp_path) as ready:
         right = co_simulated(ready, None, 1.0, 2.0, [], file)

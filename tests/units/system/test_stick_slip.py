@@ -19,7 +19,7 @@ from pipeclamp_models.law.file import read_law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.cosim.run import run_system
-from pipeclamp_system.coupling.broyden import Tolerance
+from pipeclamp_system.coupling.broyden import SolverTolerance
 from pipeclamp_system.coupling.iterated import Iteration
 from pipeclamp_system.coupling.march import System, march
 from pipeclamp_system.fmus.participant import FmuParticipant, opened
@@ -78,7 +78,7 @@ def test_friction_that_turns_or_holds_within_a_step(
             tuple(rubbing(clamp, sign) for clamp in clamps.values()),
             lambda t: ACCELERATION * sin(2 * pi * frequency * t),
         )
-        points = march(system, Iteration(system, Tolerance(1e-6, 60), locates=locates), END / steps, steps)
+        points = march(system, Iteration(system, SolverTolerance(1e-6, 60), locates=locates), END / steps, steps)
         errors.append(off(np.array([point.displacement for point in points]).T, exact))
     assert errors[1] < 0.005
     assert errors[1] < 0.5 * errors[0]

@@ -43,7 +43,7 @@ def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None
             continue
         for word, order in (("least", False), ("most", True)):
             row = known.sort(name, descending=order).row(0, named=True)
-            where = ", ".join(setting(axis, row[axis]) for axis in axes)
+            where = ", ".join(axis_setting(axis, row[axis]) for axis in axes)
             lines.append(f"{name.removesuffix(LEVEL)} moves {word} at {where}: {row[name]:.4g} mm")
     unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
     if unstable:
@@ -79,12 +79,12 @@ def named(axis: str) -> tuple[str, str]:
     return f"{name.replace('_', ' ')} of {whose}", unit
 
 
-def title_of(axis: str) -> str:
+def axis_title(axis: str) -> str:
     """Give what is varied with its unit, as an axis has it."""
     return " / ".join(filter(None, named(axis)))
 
 
-def setting(axis: str, value: float) -> str:
+def axis_setting(axis: str, value: float) -> str:
     """Give a value of what is varied in words: "position of clamp1 4.5 m"."""
     name, unit = named(axis)
     return " ".join(filter(None, (name, f"{value:g}", unit)))
@@ -100,7 +100,7 @@ def _bands_words(study: Study, fine: pl.DataFrame, points: list[str]) -> list[st
         known = fine.filter(pl.col(low).is_not_null() & (pl.col(name) > 0))
         if known.height:
             widest = known.sort((pl.col(high) - pl.col(low)) / pl.col(name), descending=True).row(0, named=True)
-            where = ", ".join(setting(axis, widest[axis]) for axis in study.description.axes)
+            where = ", ".join(axis_setting(axis, widest[axis]) for axis in study.description.axes)
             lines.append(
                 f"{name.removesuffix(LEVEL)} is least sure at {where}: {widest[name]:.4g} mm ({study.per_cent:g} %: "
                 f"{widest[low]:.4g} to {widest[high]:.4g})"
@@ -114,7 +114,7 @@ def _marks(fine: pl.DataFrame, axes: list[str]) -> list[str]:
     if not doubtful.height:
         return []
     first = doubtful.row(0, named=True)
-    where = ", ".join(setting(axis, first[axis]) for axis in axes)
+    where = ", ".join(axis_setting(axis, first[axis]) for axis in axes)
     return [
         doubt(
             f"{doubtful.height} of {fine.height} cases, column {TRUSTED!r} says which; the first, at {where}: "
@@ -129,7 +129,7 @@ def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
     if len(axes) == 1:
         line = frame.sort(axes[0])
         curve = (name, line[axes[0]].to_list(), line[name].to_list(), "lines+markers")
-        figure = curves_picture(title_of(axes[0]), "amplitude / mm", [curve], title)
+        figure = curves_picture(axis_title(axes[0]), "amplitude / mm", [curve], title)
         low, high = (name.removesuffix(LEVEL) + end for end in (LOW, HIGH))
         if low in line.columns:
             own = line.filter(pl.col(low).is_not_null())
@@ -142,4 +142,4 @@ def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
     for x, y, value in largest.iter_rows():
         level[np.searchsorted(ys, y), np.searchsorted(xs, x)] = np.nan if value is None else value
     level[level <= 0] = np.nan
-    return cells_picture(title_of(axes[0]), title_of(axes[1]), xs, ys, level, "mm", title)
+    return cells_picture(axis_title(axes[0]), axis_title(axes[1]), xs, ys, level, "mm", title)

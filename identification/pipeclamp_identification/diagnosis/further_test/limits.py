@@ -23,7 +23,7 @@ REACH_A = (0.5, 1.5)
 """Without a stated limit: amplitudes from half the smallest to one and a half times the largest tested."""
 REACH_F = (0.5, 2.0)
 """Without a stated limit: frequencies from half the lowest to twice the highest tested."""
-DIGITS = 3
+CONDITION_DIGITS = 3
 """Significant digits of a proposed test's conditions: what is said is what the drive signal does."""
 
 
@@ -57,7 +57,7 @@ class Limits:
 
 
 RANGES = {"A": "amplitude", "f": "frequency", "T": "temperature"}
-LARGEST = {"v": "velocity", "F": "force"}
+QUANTITY_WORDS = {"v": "velocity", "F": "force"}
 SUCH_AS = {"A": "2", "f": "20", "T": "300", "v": "300", "F": "5000"}
 UNITS = {"A": "mm", "f": "Hz", "T": "degC", "v": "mm/s", "F": "N"}
 LOWEST = {"A": 0.0, "f": 0.0, "T": -CELSIUS, "v": 0.0, "F": 0.0}
@@ -105,8 +105,8 @@ def _ends(name: str, text: str) -> Range:
         low = told[0] if len(told) > 1 and name in RANGES else ""
         raise refused("numbers with a point and .. between them, one of which may be left out", low, told[-1])
     low, high = match.groups(default="")
-    if low and name in LARGEST:
-        raise refused(f"the largest {LARGEST[name]} alone", "", high or low)
+    if low and name in QUANTITY_WORDS:
+        raise refused(f"the largest {QUANTITY_WORDS[name]} alone", "", high or low)
     numbers = [float(end) for end in (low, high) if end]
     if min(numbers) <= LOWEST[name]:
         above = "" if low and float(low) <= LOWEST[name] else low
@@ -124,7 +124,7 @@ def limits_words(limits: Limits) -> str:
         low, high = limits.range(symbol)
         ends = f"{low:.3g}" if low > LOWEST[symbol] else "", f"{high:.3g}" if math.isfinite(high) else ""
         words += ["{}={}..{}".format(symbol, *ends)] if any(ends) else []
-    largest = {symbol: getattr(limits, name) for symbol, name in LARGEST.items()}
+    largest = {symbol: getattr(limits, name) for symbol, name in QUANTITY_WORDS.items()}
     return ",".join([*words, *(f"{symbol}=..{end:.3g}" for symbol, end in largest.items() if math.isfinite(end))])
 
 
@@ -221,7 +221,7 @@ def stated_levels(values: Array, low: float, high: float) -> Array:
     if low > high * (1 + 1e-9):
         return np.empty(0)
     within = np.clip(values, low, max(low, high))
-    unit = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(within), 1e-300))) - DIGITS + 1)
+    unit = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(within), 1e-300))) - CONDITION_DIGITS + 1)
     nearest = np.round(within / unit)
     nearest = np.where(nearest * unit > high, np.floor(high / unit + 1e-9), nearest)
     nearest = np.where(nearest * unit < low, np.ceil(low / unit - 1e-9), nearest)

@@ -12,10 +12,10 @@ from pipeclamp_identification.diagnosis.further_test.limits import Limits, driva
 from pipeclamp_identification.diagnosis.further_test.outlook import (
     LEAST_DEVIATIONS,
     PROFILES,
-    REPEATS,
     RIDDEN,
-    RIDING,
-    Conditions,
+    RIDING_SHARE,
+    RUNS_OF_A_TEST,
+    ConditionArrays,
     Foreseer,
     Outlook,
     foreseer,
@@ -30,15 +30,15 @@ from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.realise.motion import Motion
 
-LEVELS = 6
-TEMPERATURES = 4
+LEVELS_OF_A_AND_F = 6
+LEVELS_OF_T = 4
 SURE_DEVIATIONS = 8.0
 """Standard deviations between two rivals from which on a test is sure to tell."""
 NEARLY_LOG_CHANCE = 0.8
 """A test whose log chance of a mistake is this share of the best test's tells nearly as much."""
 MOST_RIVALS = 4
 """Rivals that one test is sought for, best first."""
-WIDER = 4.0
+BOUND_WIDENING = 4.0
 """Times that a bound on amplitude or frequency is widened, to see whether a test beyond it would tell."""
 WARMER_K = 200.0
 """Kelvin by which a bound on the temperature is."""
@@ -97,13 +97,13 @@ class Proposal:
         """Say what to do."""
         two = len(self.rivals) == 2
         return (
-            f"run {self.test_words()}, {REPEATS} times: {rivals_words(self.rivals)} then differ by "
+            f"run {self.test_words()}, {RUNS_OF_A_TEST} times: {rivals_words(self.rivals)} then differ by "
             f"{'' if two else 'at least '}{self.separation:.1f} standard deviations"
         )
 
     def drive_words(self) -> str:
         """Say what the drive signal asks of the machine."""
-        return f"{self.plan.words()}; run it {REPEATS} times"
+        return f"{self.plan.words()}; run it {RUNS_OF_A_TEST} times"
 
 
 def rivals_words(rivals: Sequence[str]) -> str:
@@ -125,7 +125,7 @@ def _further_words(signal: str, value: float) -> str:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _TestSearch:
     """Where the next test is sought, and between whom.
 
     Attributes:
@@ -140,7 +140,7 @@ class _Search:
     names: tuple[str, ...]
     rivals: Sequence[Foreseer]
     tested: Mapping[str, tuple[float, float]]
-    further: Conditions
+    further: ConditionArrays
 
     def outlooks(self, limits: Limits, levels: Mapping[str, Array] | None = None) -> list[Outlook]:
         """Tell what tests within limits would tell, of each profile that they let be driven; closed ranges needed.
@@ -158,13 +158,13 @@ class _Search:
                 found.append(outlook.rows(np.flatnonzero(outlook.peak_forces <= limits.force)))
         return [outlook for outlook in found if len(outlook.mistaken)]
 
-    def _grid(self, profile: Profile, limits: Limits, levels: Mapping[str, Array]) -> Conditions:
+    def _grid(self, profile: Profile, limits: Limits, levels: Mapping[str, Array]) -> ConditionArrays:
         """Give every combination of conditions that keeps the limits."""
         (A_low, A_high), (f_low, f_high) = limits.amplitude, limits.frequency
         spread = {
-            "A": np.geomspace(A_low, A_high / profile.peak_displacement, LEVELS),
-            "f": np.geomspace(f_low, f_high / profile.highest_order, LEVELS),
-            "T": np.linspace(*limits.temperature, TEMPERATURES),
+            "A": np.geomspace(A_low, A_high / profile.peak_displacement, LEVELS_OF_A_AND_F),
+            "f": np.geomspace(f_low, f_high / profile.highest_order, LEVELS_OF_A_AND_F),
+            "T": np.linspace(*limits.temperature, LEVELS_OF_T),
         }
         # What was tested is also a place to test, as far as the rig reaches.
         for name, ends in self.tested.items():
@@ -202,14 +202,14 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
     rivals = [foreseer(_of(name, diagnosis), diagnosis) for name in names]
     so_far = diagnosis.problem.observations.motion
     tested = {name: span(so_far, name) for name in ("A", "f", "T")}
-    search = _Search(diagnosis, names, rivals, tested, _further_levels(rivals, diagnosis))
+    search = _TestSearch(diagnosis, names, rivals, tested, _further_levels(rivals, diagnosis))
     within = reach(so_far, limits)
     outlooks = search.outlooks(within)
     if not any(outlook.tells.any() for outlook in outlooks):
         return NoTest(_why_none(search, within, outlooks))
     mistaken = np.concatenate([outlook.mistaken for outlook in outlooks])
     away = np.concatenate(
-        [away_from(outlook.grid, tested) + (RIDING if outlook.profile == RIDDEN else 0.0) for outlook in outlooks]
+        [away_from(outlook.grid, tested) + (RIDING_SHARE if outlook.profile == RIDDEN else 0.0) for outlook in outlooks]
     )
     enough = mistaken <= max(-(SURE_DEVIATIONS**2) / 8, NEARLY_LOG_CHANCE * float(mistaken.min()))
     best = int(np.lexsort((mistaken, np.where(enough, away, np.inf)))[0])
@@ -217,7 +217,7 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
     return search.proposal(outlooks[place], row)
 
 
-def _why_none(search: _Search, limits: Limits, outlooks: Sequence[Outlook]) -> str:
+def _why_none(search: _TestSearch, limits: Limits, outlooks: Sequence[Outlook]) -> str:
     """Say why no test is proposed, and which limit would have to give, and how much."""
     gives = [words for bound in _bounds(search, limits) if (words := _gives(search, bound))]
     if outlooks:
@@ -255,26 +255,28 @@ class _Bound:
     levels: Mapping[str, Array]
 
 
-def _bounds(search: _Search, limits: Limits) -> Iterator[_Bound]:
+def _bounds(search: _TestSearch, limits: Limits) -> Iterator[_Bound]:
     """Give the ends of limits that could give way, one at a time."""
     for symbol in ("A", "f"):
         low, high = limits.range(symbol)
-        for upper, ends in ((True, (high, WIDER * high)), (False, (low / WIDER, low))):
+        for upper, ends in ((True, (high, BOUND_WIDENING * high)), (False, (low / BOUND_WIDENING, low))):
             wide = limits.with_range(symbol, (min(low, ends[0]), max(high, ends[1])))
             end = f"{symbol}=..{{}}" if upper else f"{symbol}={{}}.."
-            yield _Bound(end, upper, symbol, wide, {symbol: np.geomspace(*ends, LEVELS)})
+            yield _Bound(end, upper, symbol, wide, {symbol: np.geomspace(*ends, LEVELS_OF_A_AND_F)})
     low, high = limits.temperature
     if search.temperature(0.0) is not None:
         for upper, ends in ((True, (high, high + WARMER_K)), (False, (max(low - WARMER_K, -CELSIUS + 1.0), low))):
             wide = limits.with_range("T", (min(low, ends[0]), max(high, ends[1])))
-            yield _Bound("T=..{}" if upper else "T={}..", upper, "T", wide, {"T": np.linspace(*ends, LEVELS)})
+            yield _Bound(
+                "T=..{}" if upper else "T={}..", upper, "T", wide, {"T": np.linspace(*ends, LEVELS_OF_A_AND_F)}
+            )
     if np.isfinite(limits.velocity):
         yield _Bound("v=..{}", True, "v", replace(limits, velocity=np.inf), {})
     if np.isfinite(limits.force):
         yield _Bound("F=..{}", True, "F", replace(limits, force=np.inf), {})
 
 
-def _gives(search: _Search, bound: _Bound) -> str:
+def _gives(search: _TestSearch, bound: _Bound) -> str:
     """Say how far a bound must give way for a test to tell; nothing where that doesn't help."""
     asked = [
         _asked(outlook, bound.symbol, upper=bound.upper)[outlook.tells]
@@ -318,7 +320,7 @@ def _further_levels(rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> dict[st
     return levels
 
 
-def away_from(grid: Conditions, tested: Mapping[str, tuple[float, float]]) -> Array:
+def away_from(grid: ConditionArrays, tested: Mapping[str, tuple[float, float]]) -> Array:
     """Give how far outside of what was tested conditions lie, shape (R,): octaves of A and f, hundreds of kelvin."""
     away = np.zeros(len(grid["A"]))
     for name, (low, high) in tested.items():

@@ -16,27 +16,32 @@ from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.beforehand import parameter_bounds
 from pipeclamp_identification.fitting.least_squares import HELD, WISHED
-from pipeclamp_identification.fitting.observations import SAMPLES, data_scales, harmonic_slopes, harmonics_of
+from pipeclamp_identification.fitting.observations import (
+    SAMPLES_PER_CYCLE,
+    data_scales,
+    harmonic_slopes,
+    real_harmonics_of,
+)
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import Motion
 
-HARMONICS = 12
-CYCLES = 5
-REPEATS = 3
+HARMONICS_FORETOLD = 12
+CYCLES_OF_A_TEST = 5
+RUNS_OF_A_TEST = 3
 """Runs of a proposed test: what scatters from run to run shows in repeats only."""
 LEAST_DEVIATIONS = 2.0
 """Standard deviations below which it doesn't tell: one rival would be taken for the other in one case of six."""
-TOLD = 1e-12
+TELLING_SHARE = 1e-12
 """Share of what tests tell best below which they tell nothing: rounding."""
-RIDING = 0.25
+RIDING_SHARE = 0.25
 RIDING_ORDER = 7
 SINE, RIDDEN = "sine", "small cycles on a large one"
 PROFILES = {
     SINE: Profile("a sine test", ((1, 1.0),)),
     RIDDEN: Profile(
-        f"small cycles on a large one ({RIDING:g} of its amplitude at {RIDING_ORDER} times its frequency)",
-        ((1, 1.0), (RIDING_ORDER, RIDING)),
+        f"small cycles on a large one ({RIDING_SHARE:g} of its amplitude at {RIDING_ORDER} times its frequency)",
+        ((1, 1.0), (RIDING_ORDER, RIDING_SHARE)),
     ),
 }
 
@@ -82,11 +87,11 @@ def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
     information[evenly, evenly] += 12.0 / (upper - lower)[opened] ** 2
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
     known, ways = np.linalg.eigh(information / np.outer(scale, scale))
-    told = known > TOLD * known.max(initial=0.0)
+    told = known > TELLING_SHARE * known.max(initial=0.0)
     return Foreseer(judged, places, ways[:, told] / np.sqrt(known[told]) / scale[:, None])
 
 
-Conditions = Mapping[str, Array]
+ConditionArrays = Mapping[str, Array]
 """Slow signals of the conditions that are looked at, each of shape (R,); T in K."""
 
 
@@ -104,7 +109,7 @@ class Outlook:
     """
 
     profile: str
-    grid: Conditions
+    grid: ConditionArrays
     motion: Motion
     forces: Array
     mistaken: Array
@@ -129,10 +134,10 @@ class Outlook:
         )  # fmt: skip
 
 
-def outlook_of(profile: str, grid: Conditions, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
+def outlook_of(profile: str, grid: ConditionArrays, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
     """Tell what tests of a profile at a grid of conditions would tell."""
     motion = _motions(grid, profile, diagnosis)
-    without = harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS)
+    without = real_harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS_FORETOLD)
     law_forces = [_law_force(rival.judged, motion) for rival in rivals]
     noise, form = _noise(motion, without, diagnosis), _form(law_forces, without)
     pairs = list(itertools.combinations(range(len(rivals)), 2))
@@ -142,15 +147,15 @@ def outlook_of(profile: str, grid: Conditions, rivals: Sequence[Foreseer], diagn
     return Outlook(profile, grid, motion, forces, logsumexp(-(known**2) / 8, axis=0), apart)
 
 
-def _motions(grid: Conditions, profile: str, diagnosis: Diagnosis) -> Motion:
+def _motions(grid: ConditionArrays, profile: str, diagnosis: Diagnosis) -> Motion:
     """Give the motions of a grid of conditions; those that it doesn't name as in the middle run."""
     column = {name: values[:, None] for name, values in grid.items()}
     A, f = column["A"], column["f"]
-    theta = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    theta = 2 * np.pi * np.arange(SAMPLES_PER_CYCLE) / SAMPLES_PER_CYCLE
     y, v, a = tones_motion(PROFILES[profile].tones, A, f, theta)
     tested = diagnosis.problem.observations.motion.slow
     middle = {name: np.full_like(A, float(np.median(values))) for name, values in tested.items()}
-    return Motion(y, v, a, {**middle, **column}, 1.0 / (f * SAMPLES))
+    return Motion(y, v, a, {**middle, **column}, 1.0 / (f * SAMPLES_PER_CYCLE))
 
 
 def _law_force(judged: Judged, motion: Motion) -> LawForce:
@@ -169,8 +174,8 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
-    shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: harmonics_of(forces, HARMONICS))
-    return (of_sensor + noise.scatter.covariance(directions(force, shifted))) / REPEATS
+    shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: real_harmonics_of(forces, HARMONICS_FORETOLD))
+    return (of_sensor + noise.scatter.covariance(directions(force, shifted))) / RUNS_OF_A_TEST
 
 
 def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) -> Array:
@@ -185,7 +190,7 @@ def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) 
     Returns:
         N2, shape (R, m, m).
     """
-    white = np.broadcast_to(rms_N, len(motion.y)) ** 2 * 2 / CYCLES
+    white = np.broadcast_to(rms_N, len(motion.y)) ** 2 * 2 / CYCLES_OF_A_TEST
     samples = np.maximum(rate / motion.slow["f"][:, 0], 1.0)
     return np.asarray(np.eye(count) * (white / samples)[:, None, None])
 
@@ -197,7 +202,7 @@ def _form(law_forces: Sequence[LawForce], without: Array) -> Array:
         law_forces: of the rivals on R motions.
         without: harmonics of the law without any of them, N, shape (R, m).
     """
-    beyond = [np.sum((harmonics_of(each.force, HARMONICS) - without) ** 2, axis=1) for each in law_forces]
+    beyond = [np.sum((real_harmonics_of(each.force, HARMONICS_FORETOLD) - without) ** 2, axis=1) for each in law_forces]
     return np.asarray(np.eye(without.shape[1]) * (FORM_SHARE**2 * np.max(beyond, axis=0))[:, None, None])
 
 
@@ -212,9 +217,9 @@ def _distance(
         pair: the two.
         granted: covariance of harmonics that tells nothing, N2, shape (R, m, m).
     """
-    foretold = [harmonics_of(law_forces[place].force, HARMONICS) for place in pair]
+    foretold = [real_harmonics_of(law_forces[place].force, HARMONICS_FORETOLD) for place in pair]
     difference = foretold[0] - foretold[1]
-    slopes = [harmonic_slopes(law_forces[place], HARMONICS, rivals[place].places) for place in pair]
+    slopes = [harmonic_slopes(law_forces[place], HARMONICS_FORETOLD, rivals[place].places) for place in pair]
     doubts = [np.einsum("prm,pq->rmq", each, rivals[place].doubt) for each, place in zip(slopes, pair, strict=True)]
     finite = np.isfinite(difference).all(axis=1) & np.isfinite(granted).all(axis=(1, 2))
     for doubt in doubts:

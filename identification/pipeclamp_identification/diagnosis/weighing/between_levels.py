@@ -52,7 +52,7 @@ class LeftOutLevel:
 
 
 @dataclass(frozen=True)
-class Level:
+class InnerLevel:
     """A level between others.
 
     Attributes:
@@ -79,7 +79,7 @@ def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
     return max(found, key=lambda each: each.share, default=None)
 
 
-def rests_on(candidate: Judged, law: Judged, problem: Problem) -> Level | None:
+def rests_on(candidate: Judged, law: Judged, problem: Problem) -> InnerLevel | None:
     """Give the level between others on which most of what a law takes of another rests; None where none bears it.
 
     It does where the law takes most of its squares there, and, fitted to the other levels, no material part of what
@@ -100,12 +100,12 @@ def rests_on(candidate: Judged, law: Judged, problem: Problem) -> Level | None:
     return None
 
 
-def _levels_between(loops: Loops) -> Iterator[Level]:
+def _levels_between(loops: Loops) -> Iterator[InnerLevel]:
     """Give each level but the lowest and the highest."""
     conditions = (("A", "mm", loops.amplitude_mm), ("f", "Hz", loops.frequency_Hz))
     for condition, unit, values in conditions:
         for level in number_levels(values, relative=SAME_SHARE)[1:-1]:
-            yield Level(condition, unit, level.label, level.rows)
+            yield InnerLevel(condition, unit, level.label, level.rows)
 
 
 def _squares(law: Law, problem: Problem, level: IntArray) -> tuple[float, float]:

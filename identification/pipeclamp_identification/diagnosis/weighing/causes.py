@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_th
 from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate
 from pipeclamp_identification.signals.digits import told_apart
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import Kind
+from pipeclamp_models.law.file import NamedKind
 
 
 def takers_of_half(sound: Sequence[Judged], law: Judged) -> list[Judged]:
@@ -122,7 +122,7 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
     foretells = explained_share(pair, scales.law) >= HALF_TAKEN_SHARE
-    kind: Kind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
+    kind: NamedKind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
     likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
     firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
     if not firsts:
@@ -162,7 +162,7 @@ def unless_another_does(found: Weighed, like: Sequence[Judged]) -> Weighed:
     return replace(found, kind="part", reasons=(*found.reasons, words))
 
 
-def named_together(pair: Judged, sound: Sequence[Judged], kind: Kind, does: str, scales: Scales) -> Weighed:
+def named_together(pair: Judged, sound: Sequence[Judged], kind: NamedKind, does: str, scales: Scales) -> Weighed:
     """Name the first of two effects that neither helps by itself: a cause only where one scales what the other has.
 
     Otherwise they may cancel each other, as terms of a series do.

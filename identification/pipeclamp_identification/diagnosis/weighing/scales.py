@@ -12,7 +12,7 @@ from pipeclamp_identification.diagnosis.weighing.channel import BentChannel, ben
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, explains, may_be_form
-from pipeclamp_models.law.file import Kind, Verdict
+from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
 
@@ -27,7 +27,7 @@ class Weighed:
 
     verdict: Verdict
     effects: tuple[str, ...]
-    kind: Kind | None
+    kind: NamedKind | None
     named: Judged | None
     pair: Judged | None
     reasons: tuple[str, ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_identification.campaign.records import LARGEST
+from pipeclamp_identification.campaign.records import LARGEST_VALUE
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.said import counted
 
@@ -45,7 +45,7 @@ def _code_of(values: Array) -> float | None:
     for code in (float(np.max(values)), float(np.min(values))):
         others = values[values != code]
         count = len(values) - len(others)
-        if not len(others) or count > MOST_CODES * len(values) or (count < 2 and abs(code) <= LARGEST):
+        if not len(others) or count > MOST_CODES * len(values) or (count < 2 and abs(code) <= LARGEST_VALUE):
             continue
         low, high = float(np.min(others)), float(np.max(others))
         if high > low and max(code - high, low - code) > high - low:

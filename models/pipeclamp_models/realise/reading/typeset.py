@@ -21,9 +21,9 @@ from pipeclamp_models.equations import symbols
 
 ROOM = 38.0
 """Signs, each half as wide as the font is high, that a line holds on a page of 420 pixels."""
-LONG = 4
+LONG_DIGITS = 4
 """Digits from which on a power of ten, or its inverse, is written as such."""
-SHORTEST = 6.0
+SHORTEST_NAMED = 6.0
 """Signs of what is worth a name of its own."""
 LETTERS = "uwrb"
 """For parts that are named: the first that no name in the equation begins with, doubled where all do."""
@@ -206,7 +206,7 @@ def _short(number: sp.Rational) -> sp.Expr | None:
     for beside in (0, 1) if number.q > 1 else (0,):
         rest = abs(number - beside)
         digits = str(rest.p * rest.q)
-        if 1 in (rest.p, rest.q) and len(digits) >= LONG and digits.strip("0") == "1":
+        if 1 in (rest.p, rest.q) and len(digits) >= LONG_DIGITS and digits.strip("0") == "1":
             exponent = (len(digits) - 1) * (1 if rest.q == 1 else -1)
             return beside + sp.sign(number - beside) * sp.Symbol(f"10^{{{exponent}}}", positive=True)
     return None
@@ -243,7 +243,7 @@ def _parts(expression: sp.Basic) -> Iterator[sp.Expr]:
     for argument in expression.args:
         yield from _parts(argument)
         is_value = isinstance(argument, sp.Expr) and argument.args and not (-argument).is_Atom
-        if is_value and width(latex(argument)) >= SHORTEST:
+        if is_value and width(latex(argument)) >= SHORTEST_NAMED:
             yield argument
 
 
