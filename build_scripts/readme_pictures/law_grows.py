@@ -12,6 +12,7 @@ from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.law.file import Provenance
 
 RUN = "A0p35_f4_T60"
 HEIGHT = 600
@@ -20,10 +21,10 @@ HEIGHT = 600
 def comparisons() -> list[tuple[str, Comparison]]:
     """The law of clamp_a after each step, held against the campaign that it never saw."""
     tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in ("clamp_a", "clamp_a_heldout"))
-    file = tests.identify().file(name="clamp_a", command="", date=None)
+    file = tests.identify().file(name="clamp_a", provenance=Provenance(""))
     steps = [("base law", unseen.compare(file))]
     for effect in EFFECTS:
-        file = add_effect(file, effect, tests, command="", date=None).after
+        file = add_effect(file, effect, tests, provenance=Provenance("")).after
         steps.append((f"+ {effect}", unseen.compare(file)))
     return steps
 

@@ -22,7 +22,7 @@ from pipeclamp_identification.workflow.climb import Settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 
 COMMAND = "truth table"
 RIG_LIMITS = Limits((0.1, 1.5), (0.5, 20.0), (20.0, 300.0))
@@ -128,7 +128,7 @@ def judged(case: Case, seed: int) -> Outcome:
     tests: list[Tested] = []
     error = settled = ""
     try:
-        file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
+        file = law_file(identify(data.campaign), data.campaign, name="base", provenance=Provenance(COMMAND))
         most = 0 if case.kind == "narrow" else MOST_RUNGS
         end = follow(file, RecordTests(data.campaign), steps, partial(noted, data=data), most)
         added = tuple(one.name for one in structure_of(end.file).all_effects() if one.part != "base")

@@ -14,7 +14,7 @@ from pipeclamp_identification.metrics_only.law import identify_metrics, metric_l
 from pipeclamp_identification.workflow.auto import MOST_RUNGS
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.file import LawFile, Provenance
 
 MOST_SHOWN = 6
 
@@ -49,7 +49,7 @@ def judged_metrics(case: Case, seed: int) -> Outcome:
     added: tuple[str, ...] = ()
     error = ""
     try:
-        file = metric_law_file(identify_metrics(campaign), campaign, name="base", command=COMMAND, date=None)
+        file = metric_law_file(identify_metrics(campaign), campaign, name="base", provenance=Provenance(COMMAND))
         most = MOST_RUNGS if case.kind == "two" else 0
         added = follow(file, MetricTests(campaign), steps, noted_metrics, most).file.effects
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others

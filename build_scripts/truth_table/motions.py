@@ -25,7 +25,7 @@ from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfits
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import overall_nrmse
-from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.file import LawFile, Provenance
 
 LAWS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("power", ()), ("memory", ()), ("power", ("bouc_wen",)), ("power", ("slip_spread",)),
@@ -103,7 +103,9 @@ def sines(case: DeviceCase, seed: int) -> tuple[Campaign, Campaign]:
 
 def identified(campaign: Campaign, base: str, effects: tuple[str, ...]) -> LawFile:
     """Fit a law to sines."""
-    return law_file(identify(campaign, base=base, effects=effects), campaign, name=base, command="motions", date=None)
+    return law_file(
+        identify(campaign, base=base, effects=effects), campaign, name=base, provenance=Provenance("motions")
+    )
 
 
 def outside(misfit: FreeMisfit) -> float:

@@ -33,7 +33,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.law.file import LawFile, law_text, read_law
+from pipeclamp_models.law.file import LawFile, Provenance, law_text, read_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_models.realise.force import force_of_law
@@ -146,7 +146,7 @@ def _figure_14(A: float, f: float, T: float) -> go.Figure:
 def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     tell("2. A campaign of raw loops: clamp_a, 48 runs of an independent virtual rig")
     tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in (CAMPAIGN, f"{CAMPAIGN}_heldout"))
-    file = tests.identify().file(name=CAMPAIGN, command=COMMAND, date=None)
+    file = tests.identify().file(name=CAMPAIGN, provenance=Provenance(COMMAND))
     metrics = metrics_page(tests, after_import(CAMPAIGN))
     write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics, COMMAND)
     yield folder / "2_metrics.html"
@@ -154,7 +154,7 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     tell(f"   base law: {_errors(file, on_unseen[-1])}")
     changes: list[LawChange] = []
     for effect in EFFECTS:
-        changes.append(add_effect(file, effect, tests, command=COMMAND, date=None))
+        changes.append(add_effect(file, effect, tests, provenance=Provenance(COMMAND)))
         file = changes[-1].after
         on_unseen.append(unseen.compare(file))
         tell(f"   + {effect}: {_errors(file, on_unseen[-1])}")

@@ -10,6 +10,7 @@ from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.law.file import Provenance
 
 PICTURE = ".chosen .main-svg"
 
@@ -19,10 +20,10 @@ def pages(tmp_path_factory):
     """Pages of a diagnosis, and of the law with the effect that it names."""
     folder = tmp_path_factory.mktemp("pages")
     tests = RecordTests(read_campaign(bundled_campaign("clamp_a")))
-    law = tests.identify().file(name="law", command="test", date=None)
+    law = tests.identify().file(name="law", provenance=Provenance("test"))
     found = tests.diagnose(law)
     write_report(folder / "diagnosis.html", "Diagnosis", "clamp_a", diagnosis_page(law, found, "pipeclamp add"), "test")
-    better = add_effect(law, found.effects[0], tests, command="test", date=None).after
+    better = add_effect(law, found.effects[0], tests, provenance=Provenance("test")).after
     write_report(folder / "compare.html", "Law", "clamp_a", comparison_page([(better, tests.compare(better))]), "test")
     return folder
 

@@ -14,7 +14,7 @@ from pipeclamp_identification.campaign import rig as virtual
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.identify import identify, law_file
-from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.law.file import Provenance, law_of, read_law
 from pipeclamp_system.cosim.run import run_system
 
 PLAN = virtual.TestPlan(
@@ -31,7 +31,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None
     truth = read_law(folder / "memory.json")
     write_campaign(folder / "virtual", virtual.virtual_runs(law_of(truth), PLAN), name="virtual", notes="")
     campaign = read_campaign(folder / "virtual")
-    fitted = law_file(identify(campaign), campaign, name="law", command="test", date=None)
+    fitted = law_file(identify(campaign), campaign, name="law", provenance=Provenance("test"))
     (folder / "law.json").write_text(fitted.model_dump_json(by_alias=True), encoding="utf-8")
     build_clamp(truth, folder / "memory.fmu")
     build_clamp(fitted, folder / "law.fmu")

@@ -16,7 +16,7 @@ from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.discover import discover
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 
 COMMAND = "truth table of discovery"
 NEAR_FLOOR = {"clean": 1.05, "rough": 1.10}
@@ -109,7 +109,7 @@ def judged_beyond(case: Case, seed: int) -> BeyondOutcome:
 def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutcome:
     """Go the way of a user; give how it came out, but for the count and the time."""
     tests = RecordTests(data.campaign)
-    file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
+    file = law_file(identify(data.campaign), data.campaign, name="base", provenance=Provenance(COMMAND))
     first = _asked(file, tests)[1] if blank.kind == "effect" else None
     begin = time.perf_counter()
     settled = add_until_settled(file, tests, command=COMMAND, limits=RIG_LIMITS)

@@ -18,7 +18,7 @@ from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.file import LawFile, Provenance
 
 COMMAND = "devices"
 FALSELY_COMPLETE = 1.3
@@ -89,7 +89,7 @@ def judged_device(case: DeviceCase, seed: int) -> DeviceOutcome:
     error = ""
     begin = identified = time.perf_counter()
     try:
-        file = law_file(identify(campaign), campaign, name="base", command=COMMAND, date=None)
+        file = law_file(identify(campaign), campaign, name="base", provenance=Provenance(COMMAND))
         identified = time.perf_counter()
         other = loops_of(held_out)
         found = compare(file, held_out, other)

@@ -18,7 +18,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration_files import read_effects
-from pipeclamp_models.law.file import NamedKind
+from pipeclamp_models.law.file import NamedKind, Provenance
 
 
 @one_thread()
@@ -63,7 +63,7 @@ def identify(
         base=base, effects=names, frozen=freeze, method=method, declared=declarations, progress=progress
     )
     called = f"{_read(tests)}, effects={[fspath(effect) for effect in effects]!r}, base={base!r}"
-    return Law(found.file(name=name or tests.name, command=f"pc.identify({called})", date=None))
+    return Law(found.file(name=name or tests.name, provenance=Provenance(f"pc.identify({called})")))
 
 
 @one_thread()
@@ -103,7 +103,9 @@ def identify_per(
     shown = [fspath(effect) for effect in effects]
     called = f"pc.identify_per({_read(tests)}, {column!r}, effects={shown!r}, base={base!r})"
     return {
-        law.group: Law(law.found.file(name=f"{tests.name} {law.group}", command=f"{called}[{law.group!r}]", date=None))
+        law.group: Law(
+            law.found.file(name=f"{tests.name} {law.group}", provenance=Provenance(f"{called}[{law.group!r}]"))
+        )
         for law in laws
     }
 
@@ -159,7 +161,7 @@ def add(
     meant = f", kind={kind!r}" if kind == "part" else ""
     command = f"pc.add({_named(law)}, {named}, {_read(tests)}{meant})"
     steps = add_effects(
-        file, names, tests.tests, command=command, date=None, declared=declarations, kind=kind, progress=progress
+        file, names, tests.tests, provenance=Provenance(command), declared=declarations, kind=kind, progress=progress
     )
     return Law(steps[-1].after, steps=len(steps))
 
@@ -178,7 +180,7 @@ def remove(law: Law | PathOrName, effect: str, tests: Tests | PathOrName, *, pro
     tests = tested(tests)
     command = f"pc.remove({_named(law)}, {effect!r}, {_read(tests)})"
     return Law(
-        remove_effect(opened(law).file, effect, tests.tests, command=command, date=None, progress=progress).after
+        remove_effect(opened(law).file, effect, tests.tests, provenance=Provenance(command), progress=progress).after
     )
 
 
@@ -197,7 +199,7 @@ def refit(law: Law | PathOrName, tests: Tests | PathOrName, *, progress: Progres
     """
     tests = tested(tests)
     command = f"pc.refit({_named(law)}, {_read(tests)})"
-    return Law(refitted(opened(law).file, tests.tests, command=command, date=None, progress=progress).after)
+    return Law(refitted(opened(law).file, tests.tests, provenance=Provenance(command), progress=progress).after)
 
 
 def _read(tests: Tests) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -108,12 +109,8 @@ def rig(
     from pipeclamp_identification.workflow.next_command import after_import
     from pipeclamp_models.law.declaration_files import read_effects
 
-    for option, given, others, what in (
-        ("--plan", plan, OF_NO_PLAN, "runs"),
-        ("--drive", drive, OF_NO_DRIVE, "motion"),
-    ):
-        if given and (stated := [f"--{name.replace('_', '-')}" for name in others if is_stated(context, name)]):
-            raise UsageError(f"{option}: got {', '.join(stated)} as well; expected the {what} from {given} alone")
+    _refuse_beside(context, "--plan", plan, OF_NO_PLAN, "runs")
+    _refuse_beside(context, "--drive", drive, OF_NO_DRIVE, "motion")
     with told("rig") as tell:
         runs_of = read_plan(plan) if plan else ()
         asked = virtual.TestPlan(
@@ -159,6 +156,12 @@ def rig(
     put(f"{output}: {counted(count, 'run')}")
     if drive is None:  # what a drive signal gives is one test more, for tests that aren't named here
         print_next(after_import(str(output)))
+
+
+def _refuse_beside(context: typer.Context, option: str, given: Path | None, others: Sequence[str], what: str) -> None:
+    """Refuse options that state what a file, which is given, states already."""
+    if given and (stated := [f"--{name.replace('_', '-')}" for name in others if is_stated(context, name)]):
+        raise UsageError(f"{option}: got {', '.join(stated)} as well; expected the {what} from {given} alone")
 
 
 @app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")

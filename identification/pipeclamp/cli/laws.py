@@ -136,7 +136,7 @@ def identify(
     from pipeclamp_identification.workflow.next_command import after_group_laws, after_identification
     from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
-    from pipeclamp_models.law.file import law_text
+    from pipeclamp_models.law.file import Provenance, law_text
 
     if per:
         refuse_folder(output)
@@ -148,7 +148,7 @@ def identify(
     with told("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
         tests = read_and_tell(campaign, strict, tell)
-        date = None if reproducible else now()
+        provenance = Provenance(command_called(), None if reproducible else now())
         if per:
             from pipeclamp_identification.workflow.per_group import identify_per
 
@@ -157,7 +157,7 @@ def identify(
                 declared=declarations, progress=tell,
             )  # fmt: skip
             files = {
-                law.stem: law.found.file(name=f"{name or tests.name} {law.group}", command=command_called(), date=date)
+                law.stem: law.found.file(name=f"{name or tests.name} {law.group}", provenance=provenance)
                 for law in laws
             }
             write_folder(output, ((f"{stem}.json", law_text(one).encode()) for stem, one in files.items()))
@@ -169,7 +169,7 @@ def identify(
             base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
             progress=tell,
         )  # fmt: skip
-        file = found.file(name=name or tests.name, command=command_called(), date=date)
+        file = found.file(name=name or tests.name, provenance=provenance)
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import law_page
@@ -382,14 +382,14 @@ def _change(
     """Change a law step by step, refit it, write it, and print what that did."""
     from pipeclamp.show.law import change_table, vain_words
     from pipeclamp_identification.workflow.next_command import after_change, after_vain_addition
-    from pipeclamp_models.law.file import law_text
+    from pipeclamp_models.law.file import Provenance, law_text
 
     spare(campaign, outputs=(output,))
     with told(title) as tell:
         file = opened_law(law)
         tests = read_and_tell(campaign, strict, tell)
-        date = None if reproducible else now()
-        steps = change(file, tests=tests, command=command_called(), date=date, progress=tell)
+        made = Provenance(command_called(), None if reproducible else now())
+        steps = change(file, tests=tests, provenance=made, progress=tell)
     changed = steps[-1].after
     write_whole(output, law_text(changed))
     for step in steps:

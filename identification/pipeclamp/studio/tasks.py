@@ -12,7 +12,7 @@ from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import spare_cores
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import LawFile, NamedKind, law_text, read_law
+from pipeclamp_models.law.file import LawFile, NamedKind, Provenance, law_text, read_law
 
 if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
@@ -22,7 +22,7 @@ def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str
     """Fit a law to all runs and write it."""
     tests = _tests(tell, campaign)
     found = tests.identify(base=base, progress=tell)
-    return _written(found.file(name=tests.name, command=command, date=now()), law)
+    return _written(found.file(name=tests.name, provenance=Provenance(command, now())), law)
 
 
 def add(
@@ -32,7 +32,7 @@ def add(
     from pipeclamp_identification.workflow.change import add_effects
 
     tests = _tests(tell, campaign)
-    given: dict[str, Any] = {"command": command, "date": now(), "kind": kind, "progress": tell}
+    given: dict[str, Any] = {"provenance": Provenance(command, now()), "kind": kind, "progress": tell}
     steps = add_effects(read_law(Path(of)), effect.split(","), tests, **given)
     return _written(steps[-1].after, law)
 
@@ -42,7 +42,7 @@ def refit(tell: Progress, *, campaign: str, of: str, law: str, command: str) -> 
     from pipeclamp_identification.workflow.change import refit as refitted
 
     tests = _tests(tell, campaign)
-    done = refitted(read_law(Path(of)), tests, command=command, date=now(), progress=tell)
+    done = refitted(read_law(Path(of)), tests, provenance=Provenance(command, now()), progress=tell)
     return _written(done.after, law)
 
 

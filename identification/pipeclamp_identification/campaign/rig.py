@@ -239,11 +239,20 @@ def _refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> N
         raise UserError(f"the law depends on {', '.join(columns)}; state a value for each: --set {columns[0]}=...")
 
 
-def _runs_at(
-    law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float], specimen: int
-) -> Iterator[WrittenRun]:
-    """Run all amplitudes and temperatures at one frequency: records of one length, marched together."""
-    equations = law.equations
+@dataclass(frozen=True)
+class _Drawn:
+    """The runs of a plan at one frequency (Hz) as chance has them: random numbers of each run, and amplitudes (mm),
+    temperatures (degC) and phases at the beginning (rad), (R,)."""
+
+    frequency: float
+    runs: tuple[PlannedRun, ...]
+    random: list[np.random.Generator]
+    A: Array
+    T: Array
+    shift: Array
+
+
+def _drawn_at(plan: TestPlan, frequency: float, specimen: int) -> _Drawn:
     runs, repeats = zip(*_planned_at(plan, frequency), strict=True)
     random = [
         _random(plan, run.amplitude_mm, frequency, run.temperature_C, repeat + OF_ONE_SPECIMEN * specimen)
@@ -252,7 +261,14 @@ def _runs_at(
     pairs = list(zip(runs, random, strict=True))
     A = np.array([run.amplitude_mm * (1 + plan.amplitude_error * rng.standard_normal()) for run, rng in pairs])
     T = np.array([run.temperature_C + plan.temperature_error * rng.standard_normal() for run, rng in pairs])
-    shift = np.array([rng.uniform(0, 2 * np.pi) for rng in random])
+    return _Drawn(frequency, runs, random, A, T, np.array([rng.uniform(0, 2 * np.pi) for rng in random]))
+
+
+def _runs_at(
+    law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float], specimen: int
+) -> Iterator[WrittenRun]:
+    """Run all amplitudes and temperatures at one frequency: records of one length, marched together."""
+    drawn = _drawn_at(plan, frequency, specimen)
     fine = plan.rate * SUBSTEPS
     # One cycle that isn't recorded brings the clamp from rest into the motion, so that the drive may start anywhere.
     lead = 0 if plan.drive or plan.ramp_cycles > 0 else round(fine / frequency)
@@ -260,25 +276,13 @@ def _runs_at(
     count = round(longest * plan.rate)
     time = (np.arange(lead + count * SUBSTEPS) - lead) / fine
     motion = (
-        _followed(plan.drive, A / plan.amplitudes[0], time) if plan.drive else _drive(plan, A, frequency, shift, time)
+        _followed(plan.drive, drawn.A / plan.amplitudes[0], time)
+        if plan.drive
+        else _drive(plan, drawn.A, frequency, drawn.shift, time)
     )
-    slow = {
-        "A": A[:, None],
-        "f": np.full((len(A), 1), frequency),
-        "T": T[:, None] + CELSIUS,
-        "N": np.array([run.first_cycle for run in runs])[:, None] + np.maximum(time, 0.0) * frequency,
-        **{signal_in_plan(column): np.full((len(A), 1), value) for column, value in conditions.items()},
-    }
-    truth = force_of_equations(
-        equations,
-        law.vector(equations),
-        (law.v_r, law.y_r),
-        Motion(*motion, slow, np.full((len(A), 1), 1 / fine), periodic=False),
-    ).force
-    if not np.all(np.isfinite(truth)):
-        raise UserError(f"the law gives no finite force at {frequency:g} Hz; expected a plan near the law's range")
+    truth = _true_force(law, drawn, conditions, motion, time, fine)
     kept = slice(lead, None, SUBSTEPS)
-    for index, (run, rng) in enumerate(pairs):
+    for index, (run, rng) in enumerate(zip(drawn.runs, drawn.random, strict=True)):
         yield WrittenRun(
             {
                 "run": _name(run, specimen),
@@ -289,24 +293,40 @@ def _runs_at(
                 **({"specimen": f"S{specimen}"} if specimen else {}),
                 "first_cycle": run.first_cycle,
             },
-            Record(
-                time[kept],
-                _measured(
-                    motion[0][index, kept] + plan.displacement_drift * time[kept],
-                    plan.displacement_noise,
-                    plan.displacement_step,
-                    plan.displacement_range,
-                    rng,
-                ),
-                _measured(
-                    truth[index, kept] * (1 + plan.force_gain_drift * time[kept]) + plan.force_drift * time[kept],
-                    plan.force_noise,
-                    plan.force_step,
-                    plan.force_range,
-                    rng,
-                ),
-            ),
+            _recorded(plan, time[kept], motion.y[index, kept], truth[index, kept], rng),
         )
+
+
+def _true_force(
+    law: Law, drawn: _Drawn, conditions: Mapping[str, float], motion: Kinematics, time: Array, rate: float
+) -> Array:
+    """Give a law's force in runs of so many steps a second, N, shape (R, n)."""
+    each = np.ones((len(drawn.runs), 1))
+    slow = {
+        "A": drawn.A[:, None],
+        "f": drawn.frequency * each,
+        "T": drawn.T[:, None] + CELSIUS,
+        "N": np.array([run.first_cycle for run in drawn.runs])[:, None] + np.maximum(time, 0.0) * drawn.frequency,
+        **{signal_in_plan(column): value * each for column, value in conditions.items()},
+    }
+    equations, given = law.equations, Motion(*motion, slow, each / rate, periodic=False)
+    force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), given).force
+    if not np.all(np.isfinite(force)):
+        raise UserError(
+            f"the law gives no finite force at {drawn.frequency:g} Hz; expected a plan near the law's range"
+        )
+    return force
+
+
+def _recorded(plan: TestPlan, time: Array, displacement: Array, force: Array, rng: np.random.Generator) -> Record:
+    """Give what a rig's sensors, which drift, show of a run."""
+    shown = displacement + plan.displacement_drift * time
+    pushed = force * (1 + plan.force_gain_drift * time) + plan.force_drift * time
+    return Record(
+        time,
+        _measured(shown, plan.displacement_noise, plan.displacement_step, plan.displacement_range, rng),
+        _measured(pushed, plan.force_noise, plan.force_step, plan.force_range, rng),
+    )
 
 
 def _planned_at(plan: TestPlan, frequency: float) -> list[tuple[PlannedRun, int]]:

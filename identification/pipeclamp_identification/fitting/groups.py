@@ -281,23 +281,7 @@ def _groups_of(
     differ = tuple(
         quantity for quantity in known if chances[quantity] < limit and shares[quantity].spread > least[quantity]
     )
-    rank = _rank(member, fixed)
-    confounded = tuple(
-        name
-        for name in ("A", "f", "T")
-        if rank < len(names) - 1 and _rank(member, conditions.basis(lines, (name,))) > rank
-    )
-    without = {name: conditions.basis([line for line in lines if line != name], (name,)) for name in lines}
-    explained_by = tuple(
-        name
-        for name, basis in without.items()
-        if any(
-            quantity not in differ
-            and _chance(values, basis, member) < limit
-            and mixed(*_where_known(values, basis, member)).spread > least[quantity]
-            for quantity, values in known.items()
-        )
-    )
+    alike_in = {quantity: values for quantity, values in known.items() if quantity not in differ}
     return Groups(
         column=column,
         alike=alike,
@@ -309,9 +293,38 @@ def _groups_of(
         differ=differ,
         chances=chances,
         shares={quantity: shares[quantity] for quantity in differ},
-        confounded=confounded,
-        explained_by=explained_by,
+        confounded=_confounded(conditions, lines, fixed, member),
+        explained_by=_explained_by(conditions, lines, alike_in, member, limit, least),
         strangers=strangers if differ else (),
+    )
+
+
+def _confounded(conditions: _Conditions, lines: Sequence[str], fixed: Array, member: Array) -> tuple[str, ...]:
+    """Give the conditions that vary with the groups, so that differences between these can't all be seen."""
+    rank = _rank(member, fixed)
+    if rank >= member.shape[1] - 1:
+        return ()
+    return tuple(name for name in ("A", "f", "T") if _rank(member, conditions.basis(lines, (name,))) > rank)
+
+
+def _explained_by(
+    conditions: _Conditions,
+    lines: Sequence[str],
+    alike: Mapping[GroupQuantity, Array],
+    member: Array,
+    limit: float,
+    least: Mapping[str, float],
+) -> tuple[str, ...]:
+    """Give the conditions of the groups without whose lines these would differ in what they are alike in."""
+    without = {name: conditions.basis([line for line in lines if line != name], (name,)) for name in lines}
+    return tuple(
+        name
+        for name, basis in without.items()
+        if any(
+            _chance(values, basis, member) < limit
+            and mixed(*_where_known(values, basis, member)).spread > least[quantity]
+            for quantity, values in alike.items()
+        )
     )
 
 

@@ -39,6 +39,7 @@ from pipeclamp_models.law.file import (
     Interval,
     LawFile,
     Prior,
+    Provenance,
     RunQuality,
 )
 from pipeclamp_models.law.law import Equations, Structure
@@ -222,9 +223,7 @@ def law_file(
     campaign: Campaign,
     *,
     name: str,
-    command: str,
-    date: str | None,
-    history: Iterable[HistoryStep] = (),
+    provenance: Provenance,
 ) -> LawFile:
     """Give the parameter file of an identified law.
 
@@ -232,9 +231,7 @@ def law_file(
         identification: what was found.
         campaign: the tests it was found from.
         name: name of the law.
-        command: the command that makes this file again.
-        date: when it was made; None leaves the line out.
-        history: what was added before, and what the error did.
+        provenance: how the file comes about.
     """
     runs = identification.misfits
     quality = FitQuality(
@@ -253,10 +250,7 @@ def law_file(
         time_measured=campaign.time_measured,
     )  # fmt: skip
     covered = range_of(identification.loops, aged=ages(identification.fit.equations))
-    file = file_of_fit(
-        identification.fit, covered, data, quality,
-        name=name, command=command, date=date, history=history,
-    )  # fmt: skip
+    file = file_of_fit(identification.fit, covered, data, quality, name=name, provenance=provenance)
     spread = spread_of(identification.fit, identification.loops, identification.observations)
     return file.model_copy(update={"spread": spread})
 
@@ -285,9 +279,7 @@ def file_of_fit(
     quality: FitQuality,
     *,
     name: str,
-    command: str,
-    date: str | None,
-    history: Iterable[HistoryStep] = (),
+    provenance: Provenance,
 ) -> LawFile:
     """Give the parameter file of a fit, whatever it was fitted to.
 
@@ -297,9 +289,7 @@ def file_of_fit(
         data: where it comes from.
         quality: how well the law fits it.
         name: name of the law.
-        command: the command that makes this file again.
-        date: when it was made; None leaves the line out.
-        history: what was added before, and what the error did.
+        provenance: how the file comes about.
     """
     order = np.argsort(np.array(result.fitted))
     names = tuple(result.fitted[index] for index in order)
@@ -322,10 +312,10 @@ def file_of_fit(
         data=data,
         fit=quality,
         groups=_group_entries(result) or None,
-        history=(*history, step),
+        history=(step,),
         software=software(),
-        command=command,
-        date=date,
+        command=provenance.command,
+        date=provenance.date,
     )
 
 

@@ -132,6 +132,67 @@ def loop_of(
         displacement_average: share of the period over which the displacement was averaged before it was recorded.
         drift_by_chance: as for `drifting_force`.
     """
+    cycles = run.cycles
+    own = _in_own_phase(run, harmonics, displacement_average)
+    mean_displacement, mean_force = np.mean(own.fitted, axis=1)
+    order = np.argsort(own.phase, kind="stable")
+    noise, spread = noise_by_phase(own.phase[order], own.residual[order])
+    drift = drifting_force(own.fitted[1], own.drive_phase / (2 * np.pi), own.phase, drift_by_chance)
+    scatter, spread = (
+        (noise, spread) if drift is None else noise_by_phase(own.phase[order], (own.residual - drift)[order])
+    )
+    force_rms = math.sqrt(np.mean(run.record.force_N[cycles.steady] ** 2))
+    displacement_error, force_error = _standard_errors(own.fitted, noise, len(own.phase) / cycles.count)
+    force_error = np.maximum(force_error, FINEST_SHARE * force_rms)
+    if not run.mean_known:
+        force_error[0] = math.inf
+    insignificant = np.abs(mean_displacement) < SIGNIFICANT_STANDARD_ERRORS * displacement_error
+    insignificant[:2] = False
+    return Loop(
+        run=run.name,
+        specimen=run.specimen,
+        frequency_Hz=cycles.frequency_Hz,
+        temperature_K=_kelvin(run),
+        density_g_cm3=math.nan if run.density_g_cm3 is None else run.density_g_cm3,
+        conditions={name: run.conditions[name] for name in condition_columns},
+        displacement=_padded(np.where(insignificant, 0, mean_displacement), harmonics),
+        force=_padded(mean_force, harmonics),
+        force_standard_error=np.append(force_error, np.full(harmonics + 1 - len(force_error), math.inf)),
+        noise_rms_N=noise,
+        scatter_rms_N=scatter,
+        scatter_by_phase=spread,
+        force_rms_N=force_rms,
+        samples=float(len(own.phase)),
+        cycles=np.asarray(run.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64),
+        displacement_per_cycle=_padded(own.fitted[0], harmonics),
+        force_per_cycle=_padded(own.fitted[1], harmonics),
+        phases=own.phase,
+        at_reversals=own.at_reversals,
+        labels=run.texts,
+    )
+
+
+@dataclass(frozen=True)
+class _InOwnPhase:
+    """The C steady cycles of a record, each in its own phase.
+
+    Attributes:
+        fitted: harmonics of displacement (mm) and force (N) of each cycle, (2, C, h + 1).
+        drive_phase: of the n samples, as the drive goes on, rad, (n,).
+        phase: of the samples in their cycles' own phase, rad, (n,).
+        residual: what the mean loop leaves of the force, N, (n,).
+        at_reversals: the samples in whose interval the motion reverses.
+    """
+
+    fitted: ComplexArray
+    drive_phase: Array
+    phase: Array
+    residual: Array
+    at_reversals: Bridged
+
+
+def _in_own_phase(run: Run, harmonics: int, displacement_average: float) -> _InOwnPhase:
+    """Fit the cycles of a run; arguments as for `loop_of`."""
     record, cycles = run.record, run.cycles
     y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
     phase = cycles.phase(record)
@@ -150,43 +211,21 @@ def loop_of(
     change = at_reversals.change(residual[at_reversals.places])
     residual[at_reversals.sample] += change
     fitted[1] += _sums(change, own_phase, at_reversals.sample, bounds, count)
-    mean_displacement, mean_force = np.mean(fitted, axis=1)
-    order = np.argsort(own_phase, kind="stable")
-    noise, spread = noise_by_phase(own_phase[order], residual[order])
-    drift = drifting_force(fitted[1], phase / (2 * np.pi), own_phase, drift_by_chance)
-    scatter, spread = (noise, spread) if drift is None else noise_by_phase(own_phase[order], (residual - drift)[order])
-    per_sample = len(y) / cycles.count
-    force_variance = harmonic_variance(fitted[1], 2 * noise**2 / per_sample)
+    return _InOwnPhase(fitted, phase, own_phase, residual, at_reversals)
+
+
+def _standard_errors(fitted: ComplexArray, noise: float, samples: float) -> tuple[Array, Array]:
+    """Give the standard errors of the mean harmonics of displacement (mm) and force (N), from cycle to cycle.
+
+    Args:
+        fitted: of each cycle, (2, C, h + 1).
+        noise: of a sample of the force, N.
+        samples: in a cycle.
+    """
+    cycles = fitted.shape[1]
+    force_variance = harmonic_variance(fitted[1], 2 * noise**2 / samples)
     displacement_variance = harmonic_variance(fitted[0], displacement_noise(fitted[0]))
-    force_rms = math.sqrt(np.mean(force**2))
-    force_error = np.maximum(np.sqrt(force_variance / cycles.count), FINEST_SHARE * force_rms)
-    if not run.mean_known:
-        force_error[0] = math.inf
-    displacement_error = np.sqrt(displacement_variance / cycles.count)
-    insignificant = np.abs(mean_displacement) < SIGNIFICANT_STANDARD_ERRORS * displacement_error
-    insignificant[:2] = False
-    return Loop(
-        run=run.name,
-        specimen=run.specimen,
-        frequency_Hz=cycles.frequency_Hz,
-        temperature_K=_kelvin(run),
-        density_g_cm3=math.nan if run.density_g_cm3 is None else run.density_g_cm3,
-        conditions={name: run.conditions[name] for name in condition_columns},
-        displacement=_padded(np.where(insignificant, 0, mean_displacement), harmonics),
-        force=_padded(mean_force, harmonics),
-        force_standard_error=np.append(force_error, np.full(harmonics - count, math.inf)),
-        noise_rms_N=noise,
-        scatter_rms_N=scatter,
-        scatter_by_phase=spread,
-        force_rms_N=force_rms,
-        samples=float(len(y)),
-        cycles=np.asarray(run.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64),
-        displacement_per_cycle=_padded(fitted[0], harmonics),
-        force_per_cycle=_padded(fitted[1], harmonics),
-        phases=own_phase,
-        at_reversals=at_reversals,
-        labels=run.texts,
-    )
+    return np.sqrt(displacement_variance / cycles), np.sqrt(force_variance / cycles)
 
 
 def _kelvin(run: Run) -> float:

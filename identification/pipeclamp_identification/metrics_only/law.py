@@ -15,7 +15,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import OF_METRICS, FitQuality, LawFile, RunQuality, law_of
+from pipeclamp_models.law.file import OF_METRICS, FitQuality, LawFile, Provenance, RunQuality, law_of
 from pipeclamp_models.law.law import Structure, find_base
 from pipeclamp_models.law.range import intervals_of, outside_range, rounded
 from pipeclamp_models.realise.force import force_of_law
@@ -59,8 +59,7 @@ def metric_law_file(
     campaign: MetricCampaign,
     *,
     name: str,
-    command: str,
-    date: str | None,
+    provenance: Provenance,
 ) -> LawFile:
     """Give the parameter file of a law fitted to metrics; arguments as for `identify.law_file`."""
     logs = metric_observations(campaign).logs(result.law_force.force)
@@ -76,7 +75,7 @@ def metric_law_file(
         campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out,
         time_measured=campaign.time_measured,
     )  # fmt: skip
-    return file_of_fit(result, intervals_of(_columns(campaign)), data, quality, name=name, command=command, date=date)
+    return file_of_fit(result, intervals_of(_columns(campaign)), data, quality, name=name, provenance=provenance)
 
 
 def rms(logs: Array) -> float:

@@ -11,7 +11,7 @@ from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, law_of, stage_of, structure_of
+from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import LawStep
@@ -45,8 +45,7 @@ def add_effect(
     effect: str,
     tests: Tests,
     *,
-    command: str,
-    date: str | None,
+    provenance: Provenance,
     declared: Iterable[Declaration] = (),
     kind: NamedKind | None = None,
     start: Mapping[str, float] | None = None,
@@ -60,8 +59,7 @@ def add_effect(
         effect: name of the effect.
         tests: what it is refitted to.
         declared: a user's own effects.
-        command: the command that makes the new file again.
-        date: when it is made; None leaves the line out.
+        provenance: how the new file comes about.
         kind: how a diagnosis meant it; what a part proves is remembered in the law's history.
         start: values to begin at, by name, where they are known better than from the law.
         instead: effects of the law that go for it.
@@ -73,7 +71,7 @@ def add_effect(
     old = structure_of(file).with_declared(declared)
     new = with_effect(replace(old, effects=tuple(name for name in old.effects if name not in instead)), effect)
     step = LawStep(come=(effect,), gone=tuple(instead))
-    return _changed(file, new, step, tests, command=command, date=date, kind=kind, start=start, progress=progress)
+    return _changed(file, new, step, tests, provenance=provenance, kind=kind, start=start, progress=progress)
 
 
 def add_effects(
@@ -100,8 +98,7 @@ def remove_effect(
     effect: str,
     tests: Tests,
     *,
-    command: str,
-    date: str | None,
+    provenance: Provenance,
     progress: Progress = silent,
 ) -> LawChange:
     """Take an effect out of a law and refit the rest to tests; arguments as for `add_effect`.
@@ -113,10 +110,10 @@ def remove_effect(
     if effect not in old.effects:
         raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
     new = replace(old, effects=tuple(name for name in old.effects if name != effect))
-    return _changed(file, new, LawStep(gone=(effect,)), tests, command=command, date=date, progress=progress)
+    return _changed(file, new, LawStep(gone=(effect,)), tests, provenance=provenance, progress=progress)
 
 
-def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progress: Progress = silent) -> LawChange:
+def refit(file: LawFile, tests: Tests, *, provenance: Provenance, progress: Progress = silent) -> LawChange:
     """Fit a law as it is made to tests anew, as where others have joined; arguments as for `add_effect`.
 
     What is held stays held, and the law's history goes on.
@@ -124,11 +121,11 @@ def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progre
     Raises:
         UserError: the tests can't serve the law.
     """
-    return _changed(file, structure_of(file), LawStep(), tests, command=command, date=date, progress=progress)
+    return _changed(file, structure_of(file), LawStep(), tests, provenance=provenance, progress=progress)
 
 
 def without_spares(
-    file: LawFile, keep: str, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
+    file: LawFile, keep: str, tests: Tests, *, provenance: Provenance, progress: Progress = silent
 ) -> list[LawChange]:
     """Take out, one after another, the effects that a law does as well without; give each step; see `add_effect`.
 
@@ -137,7 +134,7 @@ def without_spares(
     """
     steps: list[LawChange] = []
     while (spare := tests.superfluous(file, keep, progress)) is not None:
-        change = remove_effect(file, spare, tests, command=command, date=date, progress=progress)
+        change = remove_effect(file, spare, tests, provenance=provenance, progress=progress)
         if not stays_as_good(change):
             break
         steps.append(change)
@@ -165,7 +162,7 @@ def as_well_without(change: LawChange, keep: str) -> str:
 
 
 def exchange(
-    file: LawFile, structure: Structure, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
+    file: LawFile, structure: Structure, tests: Tests, *, provenance: Provenance, progress: Progress = silent
 ) -> LawChange:
     """Put another structure, with one thing exchanged, in a law's place and refit everything; see `add_effect`.
 
@@ -179,7 +176,7 @@ def exchange(
         step = LawStep(base=structure.base, alone=bool(file.effects) and not structure.effects)
     of_parts = any(name not in structure.effects for name in parts_of(file))
     kind: NamedKind | None = "part" if of_parts else None
-    return _changed(file, structure, step, tests, command=command, date=date, kind=kind, progress=progress)
+    return _changed(file, structure, step, tests, provenance=provenance, kind=kind, progress=progress)
 
 
 def _changed(
@@ -188,15 +185,14 @@ def _changed(
     step: LawStep,
     tests: Tests,
     *,
-    command: str,
-    date: str | None,
+    provenance: Provenance,
     kind: NamedKind | None = None,
     start: Mapping[str, float] | None = None,
     progress: Progress,
 ) -> LawChange:
     """Refit a law with another structure and state the error before and after."""
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
-    after = done.fitted.file(name=file.name, command=command, date=date)
+    after = done.fitted.file(name=file.name, provenance=provenance)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
     left = {"refitted_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))

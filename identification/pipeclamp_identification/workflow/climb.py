@@ -23,7 +23,7 @@ from pipeclamp_identification.workflow.change import (
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind
+from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind, Provenance
 from pipeclamp_models.law.law import Structure, find_base
 from pipeclamp_models.law.range import rounded
 
@@ -235,11 +235,15 @@ class Climber:
                 break
         return tried
 
+    def _provenance(self, file: LawFile) -> Provenance:
+        """Give how a law that is made of another comes about: by the ladder's command, at the time of the first."""
+        return Provenance(self.command, file.date)
+
     def _added(
         self, file: LawFile, effects: Sequence[str], kind: NamedKind, start: Mapping[str, float] | None = None
     ) -> list[LawChange]:
         return add_effects(
-            file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
+            file, effects, self.tests, provenance=self._provenance(file), declared=self.declared, kind=kind,
             start=start, progress=self.progress,
         )  # fmt: skip
 
@@ -254,7 +258,7 @@ class Climber:
             having: what was added last, in words.
         """
         file = ladder[-1].change.after
-        spares = without_spares(file, keep, self.tests, command=self.command, date=file.date, progress=self.progress)
+        spares = without_spares(file, keep, self.tests, provenance=self._provenance(file), progress=self.progress)
         for change in spares:
             ladder = (*ladder, Rung(change, "revision", (as_well_without(change, having),)))
             spare = _in_vain([change])
@@ -286,7 +290,7 @@ class Climber:
         return Rung(change, "revision", (f"{change.step}: the law does as well with fewer parameters",))
 
     def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
-        return exchange(file, structure, self.tests, command=self.command, date=file.date, progress=self.progress)
+        return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.progress)
 
 
 def _turns(file: LawFile, ladder: tuple[Rung, ...], gone: Gone, found: Diagnosed, taken: str) -> list[Turn]:

@@ -15,7 +15,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.file import LawFile, Provenance, law_of
 
 
 def discover(
@@ -52,19 +52,20 @@ def discover(
     if found.found is None or not found.found.passed:
         return proposal
     progress("refit with the term to all tests")
+    provenance = Provenance(command, file.date)
     asked, values = found.found.term.declaration, dict(found.found.judged.result.law.values)
     term = renamed(asked, {*law_of(file).equations.names, *symbols_taken()})
     own = {new.symbol: values.pop(old.symbol) for old, new in zip(asked.parameters, term.parameters, strict=True)}
     added = add_effect(
         file, term.id, tests,
-        command=command, date=file.date, declared=(*declared, term), start={**values, **own}, instead=found.found.gone,
+        provenance=provenance, declared=(*declared, term), start={**values, **own}, instead=found.found.gone,
         progress=progress,
     )  # fmt: skip
     before, after = added.heldout
     whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
     if not whole.passed:
         return refused(proposal, whole)
-    steps = [added, *without_spares(added.after, term.id, tests, command=command, date=file.date, progress=progress)]
+    steps = [added, *without_spares(added.after, term.id, tests, provenance=provenance, progress=progress)]
     law = steps[-1].after
     energy = passive(law, file)
     if not energy.passed:

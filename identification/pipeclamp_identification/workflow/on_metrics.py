@@ -28,7 +28,7 @@ from pipeclamp_identification.workflow.tests import RefittedLaw, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.file import LawFile, Provenance, law_of
 from pipeclamp_models.law.law import Structure
 
 if TYPE_CHECKING:
@@ -45,11 +45,11 @@ class FittedToMetrics:
     @cached_property
     def held(self) -> MetricComparison:
         """The law against the metrics that it was fitted to."""
-        return compare_metrics(self.file(name=self.campaign.name, command="", date=None), self.campaign)
+        return compare_metrics(self.file(name=self.campaign.name, provenance=Provenance("")), self.campaign)
 
-    def file(self, *, name: str, command: str, date: str | None) -> LawFile:
+    def file(self, *, name: str, provenance: Provenance) -> LawFile:
         """Give its parameter file, see `metrics_only.law.metric_law_file`."""
-        return metric_law_file(self.fit, self.campaign, name=name, command=command, date=date)
+        return metric_law_file(self.fit, self.campaign, name=name, provenance=provenance)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from pipeclamp_identification.workflow.tests import RefittedLaw, silent
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.law.range import rounded
 
@@ -61,9 +61,9 @@ class FittedToRecords:
         found = self.identification
         return Comparison(found.fit.law, self.campaign, found.loops, found.misfits, {})
 
-    def file(self, *, name: str, command: str, date: str | None) -> LawFile:
+    def file(self, *, name: str, provenance: Provenance) -> LawFile:
         """Give its parameter file, see `fitting.identify.law_file`."""
-        file = law_file(self.identification, self.campaign, name=name, command=command, date=date)
+        file = law_file(self.identification, self.campaign, name=name, provenance=provenance)
         if not self.campaign.doubts:
             return file
         return file.model_copy(update={"data": file.data.model_copy(update={"warnings": self.campaign.doubts})})

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
     from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
-    from pipeclamp_models.law.file import LawFile
+    from pipeclamp_models.law.file import LawFile, Provenance
     from pipeclamp_models.law.law import Structure
 
 
@@ -89,8 +89,8 @@ class Identified(Protocol):
     def held(self) -> Held:
         """The law against the tests that it was fitted to."""
 
-    def file(self, *, name: str, command: str, date: str | None) -> LawFile:
-        """Give its parameter file: its name, the command that makes it again, when it was made."""
+    def file(self, *, name: str, provenance: Provenance) -> LawFile:
+        """Give its parameter file, by its name and how it comes about."""
 
 
 @dataclass(frozen=True)

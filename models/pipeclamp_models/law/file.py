@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -257,6 +258,14 @@ class InVain(LawFilePart):
 
     effect: str
     refitted_nrmse: tuple[Finite, Finite]
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """How a law's file comes about: the command that makes it again, and when it is made; None leaves the line out."""
+
+    command: str
+    date: str | None = None
 
 
 class LastDiagnosis(LawFilePart):

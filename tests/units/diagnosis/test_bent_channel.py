@@ -10,6 +10,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Law, Structure
 
 BASE = {
@@ -30,7 +31,7 @@ def asked(folder, effects=(), channel=None, **values):
     runs = rig.virtual_runs(Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002), PLAN)
     write_campaign(folder, [bent(run, *channel) for run in runs] if channel else runs, name="virtual", notes="")
     tests = read_campaign(folder)
-    return diagnosed(law_file(identify(tests), tests, name="law", command="test", date=None), tests)
+    return diagnosed(law_file(identify(tests), tests, name="law", provenance=Provenance("test")), tests)
 
 
 @pytest.mark.parametrize(

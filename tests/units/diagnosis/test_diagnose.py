@@ -36,7 +36,7 @@ from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.declaration_files import read_declaration
-from pipeclamp_models.law.file import InVain, LastDiagnosis, law_text
+from pipeclamp_models.law.file import InVain, LastDiagnosis, Provenance, law_text
 from pipeclamp_models.law.law import Law, Structure, with_effect
 
 BASE = {
@@ -68,7 +68,7 @@ def test_scatter_alone_is_complete(campaign):
 
 def test_a_condition_that_no_test_varies_is_told(campaign):
     tests = campaign(plan=replace(PLAN, amplitudes=(0.5,), temperatures=(20.0, 100.0)))
-    found = diagnosed(law_file(identify(tests), tests, name="law", command="test", date=None), tests)
+    found = diagnosed(law_file(identify(tests), tests, name="law", provenance=Provenance("test")), tests)
     told = "all tests are at one amplitude, 0.5 mm: what the law does at others, nothing here shows"
     assert (found.untested(), found.words()[-1]) == ((told,), told)
 
@@ -76,7 +76,7 @@ def test_a_condition_that_no_test_varies_is_told(campaign):
 def test_what_passes_for_form_is_never_told_as_nothing(campaign):
     """A complete law that leaves something which follows the conditions says so in all places."""
     tests = campaign(("viscous",), c1=2.0)
-    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     found = diagnosed(file, tests)
     assert not found.diagnosis.is_adequate(found.diagnosis.law)
     weighed = replace(
@@ -92,7 +92,7 @@ def test_what_passes_for_form_is_never_told_as_nothing(campaign):
 def test_a_page_of_what_cannot_be_named_says_nowhere_that_nothing_is_left(campaign):
     """As of a law that leaves mean forces open: they don't follow the conditions, and aren't nothing."""
     tests = campaign()
-    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     found = diagnosed(file, tests)
     assert not found.left_over()
     unnamed = replace(found.diagnosis.found, verdict="unknown", reasons=("it leaves mean forces open",))
@@ -169,7 +169,7 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     """Over frequency it rises and falls as nothing in the catalogue: two fit it against each other, neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)
     tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
-    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     found = diagnosed(file, tests)
     assert (found.verdict, found.kind, found.effects) == ("missing", "part", found.together[:1])
     assert f"Part of what is missing: {' with '.join(found.together)}." == found.headline()
@@ -232,7 +232,7 @@ def test_what_is_locked_to_time_is_no_scatter_whoever_asks(campaign):
         ),
     )
     assert diagnose(Structure("power"), noisy).verdict == "unknown"
-    file = law_file(identify(noisy), noisy, name="law", command="test", date=None)
+    file = law_file(identify(noisy), noisy, name="law", provenance=Provenance("test"))
     answer = diagnosed(file, noisy)
     assert answer.verdict == "unknown"
     assert any("37.3" in line for line in answer.words())
@@ -241,7 +241,7 @@ def test_what_is_locked_to_time_is_no_scatter_whoever_asks(campaign):
 def test_answer_and_report(campaign):
     tests = campaign(("asymmetry",), k2=20.0)
     found = identify(tests)
-    file = law_file(found, tests, name="law", command="test", date=None)
+    file = law_file(found, tests, name="law", provenance=Provenance("test"))
     answer = diagnosed(file, tests)
     content = json.loads(diagnosis_view(answer, (), "pipeclamp add").answer.json_text())
     assert content.keys() >= ANSWER_FIELDS
@@ -261,7 +261,7 @@ def test_answer_and_report(campaign):
 
 def test_what_was_tried_in_vain_on_the_same_tests_is_not_named_again(campaign):
     tests = campaign(("asymmetry",), k2=20.0)
-    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     tried = InVain(effect="asymmetry", refitted_nrmse=(0.05, 0.06))
     last = LastDiagnosis(verdict="unknown", tests="tests", in_vain=(tried,))
     remembering = file.model_copy(update={"diagnosis": last})
@@ -300,8 +300,8 @@ def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign,
     monkeypatch.setattr(on_records, "refitted_nrmse", counted("left out", on_records.refitted_nrmse))
     monkeypatch.setattr(problem, "prepare", counted("prepared", problem.prepare))
     runs = campaign(("asymmetry",), k2=60.0)
-    tests, file = RecordTests(runs), law_file(identify(runs), runs, name="base", command="", date=None)
-    first, second = (add_effect(file, name, tests, command="", date=None) for name in ("asymmetry", "offset"))
+    tests, file = RecordTests(runs), law_file(identify(runs), runs, name="base", provenance=Provenance(""))
+    first, second = (add_effect(file, name, tests, provenance=Provenance("")) for name in ("asymmetry", "offset"))
     assert first.heldout[0] == second.heldout[0]
     found = tests.diagnose(first.after)
     assert found.verdict == "complete"

@@ -19,7 +19,7 @@ from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Pr
 from pipeclamp_identification.diagnosis.further_test.outlook import RIDDEN, RUNS_OF_A_TEST
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.file import law_of
+from pipeclamp_models.law.file import Provenance, law_of
 
 NARROW = rig.TestPlan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
 """Two neighbouring frequencies: the stiffness that follows f could as well be inertia."""
@@ -45,7 +45,7 @@ def narrow(virtual):
 
 @pytest.fixture(scope="module")
 def law(narrow):
-    return law_file(identify(narrow), narrow, name="law", command="test", date=None)
+    return law_file(identify(narrow), narrow, name="law", provenance=Provenance("test"))
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Law, Structure
 
 HIDDEN = Declaration.model_validate(
@@ -41,7 +42,7 @@ def tests(tmp_path_factory):
 
 
 def found_in(campaign, jobs=1):
-    law = law_file(identify(campaign), campaign, name="law", command="same", date=None)
+    law = law_file(identify(campaign), campaign, name="law", provenance=Provenance("same"))
     return search(law, campaign, jobs=jobs, progress=silent)
 
 

@@ -9,6 +9,7 @@ from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_identification.workflow.change import add_effects
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Structure
 
 TEMPERATURES = (-40.0, -25.0, -10.0, 5.0, 20.0, 35.0)
@@ -42,16 +43,16 @@ def cold_tests(tmp_path):
 
 
 def test_the_arm_that_was_fitted_at_all_temperatures_is_found_at_its_own(cold_tests):
-    file = law_file(identify(cold_tests), cold_tests, name="law", command="test", date=None)
+    file = law_file(identify(cold_tests), cold_tests, name="law", provenance=Provenance("test"))
     effects = ("relaxation", "relaxation_temperature")
-    beside, found = add_effects(file, effects, RecordTests(cold_tests), command="test", date=None)
+    beside, found = add_effects(file, effects, RecordTests(cold_tests), provenance=Provenance("test"))
     assert beside.nrmse[1] > 0.05
     assert found.nrmse[1] < 1.2 * found.noise_nrmse
     assert found.after.coefficients["tau"].value == pytest.approx(TIME, rel=0.1)
 
 
 def test_relaxation_that_takes_nothing_alone_is_named_with_what_moves_it(cold_tests):
-    found = diagnosed(law_file(identify(cold_tests), cold_tests, name="law", command="test", date=None), cold_tests)
+    found = diagnosed(law_file(identify(cold_tests), cold_tests, name="law", provenance=Provenance("test")), cold_tests)
     assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("relaxation",)), found.headline()
     assert found.together == ("relaxation", "relaxation_temperature")
 

@@ -18,6 +18,7 @@ from pipeclamp_identification.metrics_only.verdict import diagnose_metrics
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.next_command import next_command
 from pipeclamp_identification.workflow.on_metrics import MetricTests
+from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
@@ -51,7 +52,7 @@ def metrics(effects, values, scatter=0.003):
 def climbed():
     """A ladder on a rubber's metrics: where it ended, and its diagnoses."""
     tests, found = metrics(TOGETHER, RUBBER), []
-    file = metric_law_file(identify_metrics(tests), tests, name="law", command="", date=None)
+    file = metric_law_file(identify_metrics(tests), tests, name="law", provenance=Provenance(""))
     end = add_until_settled(file, MetricTests(tests), command="", seen=lambda one, _: found.append(one))
     return end, found
 

@@ -14,16 +14,16 @@ from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.comparison.laws import laws_held, stages_held
 from pipeclamp_identification.workflow.change import add_effect, remove_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_models.law.file import law_text, parse_law
+from pipeclamp_models.law.file import Provenance, law_text, parse_law
 
 
 @pytest.fixture(scope="module")
 def climbed():
     """Tests, the base law, the one with an effect more, and the one that lost it again."""
     tests = RecordTests(read_campaign(bundled_campaign("clamp_a")))
-    base = tests.identify().file(name="law", command="test", date=None)
-    added = add_effect(base, "damping_temperature", tests, command="test", date=None).after
-    removed = remove_effect(added, "damping_temperature", tests, command="test", date=None).after
+    base = tests.identify().file(name="law", provenance=Provenance("test"))
+    added = add_effect(base, "damping_temperature", tests, provenance=Provenance("test")).after
+    removed = remove_effect(added, "damping_temperature", tests, provenance=Provenance("test")).after
     return tests, base, added, removed
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import groupby
 
 import plotly.graph_objects as go
@@ -71,46 +72,64 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
     """Draw all curves at one point (its index), temperatures by colour, their bands, the co-simulations on them."""
     figure = go.Figure()
     temperatures = list(dict.fromkeys(curve.temperature for curve in response.curves))
+    colours = {temperature: SERIES[index % len(SERIES)] for index, temperature in enumerate(temperatures)}
     for curve, banded in zip(response.curves, bands.curves if bands else (), strict=False):
-        colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
         for followed, of_points in zip(curve.pieces, banded.pieces, strict=True):
-            add_band(figure, followed, of_points[point], colour)
+            add_band(figure, followed, of_points[point], colours[curve.temperature])
+    levels = [curve.level for curve in response.curves]
     for curve in response.curves:
-        colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
-        for piece in beyond_pieces(curve):
+        _add_curve(figure, curve, point, colours[curve.temperature], 0.45 + 0.55 * curve.level / max(levels))
+        _add_dots(figure, response, curve, point, colours[curve.temperature])
+    _add_legend(figure, response, point, colours)
+    wide = max(levels) > WIDE * min(levels)
+    figure.update_xaxes(title_text="f / Hz")
+    figure.update_yaxes(title_text="amplitude / mm", **(LOG_AXIS if wide else {}))
+    return styled(figure, f"Displacement at {response.points[point]}", height=480)
+
+
+def _add_curve(figure: go.Figure, curve: Curve, point: int, colour: str, opacity: float) -> None:
+    """Add a curve at a point: where its laws are beyond their data, what was followed, and what was found in time."""
+    for piece in beyond_pieces(curve):
+        figure.add_scatter(
+            x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
+            mode="lines", name=BEYOND, showlegend=False, hoverinfo="skip",
+            line={"color": BEYOND_COLOUR, "width": 7}, opacity=0.3,
+        )  # fmt: skip
+    for stable, piece in pieces(curve):
+        figure.add_scatter(
+            x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
+            mode="lines", name=label(curve.temperature, curve.level), showlegend=False,
+            line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"}, opacity=opacity,
+        )  # fmt: skip
+    for way in in_time(curve, point):
+        figure.add_scatter(
+            x=[frequency for frequency, _ in way], y=[amplitude for _, amplitude in way], mode="lines+markers",
+            name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, "size": 4},
+            line={"color": colour, "width": 1.6, "dash": "dash"}, opacity=opacity,
+        )  # fmt: skip
+
+
+def _add_dots(figure: go.Figure, response: FrequencyResponse, curve: Curve, point: int, colour: str) -> None:
+    """Add the co-simulations on a curve."""
+    for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+        own = [
+            dot for dot in response.dots
+            if (dot.temperature, dot.level, dot.trusted) == (curve.temperature, curve.level, trusted)
+        ]  # fmt: skip
+        if own:
             figure.add_scatter(
-                x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
-                mode="lines", name=BEYOND, showlegend=False, hoverinfo="skip",
-                line={"color": BEYOND_COLOUR, "width": 7}, opacity=0.3,
+                x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
+                name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, **mark},
             )  # fmt: skip
-        for stable, piece in pieces(curve):
-            figure.add_scatter(
-                x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
-                mode="lines", name=label(curve.temperature, curve.level), showlegend=False,
-                line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"},
-                opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
-            )  # fmt: skip
-        for way in in_time(curve, point):
-            figure.add_scatter(
-                x=[frequency for frequency, _ in way], y=[amplitude for _, amplitude in way], mode="lines+markers",
-                name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, "size": 4},
-                line={"color": colour, "width": 1.6, "dash": "dash"},
-                opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
-            )  # fmt: skip
-        for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
-            own = [
-                dot for dot in response.dots
-                if (dot.temperature, dot.level, dot.trusted) == (curve.temperature, curve.level, trusted)
-            ]  # fmt: skip
-            if own:
-                figure.add_scatter(
-                    x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
-                    name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, **mark},
-                )  # fmt: skip
-    for index, temperature in enumerate(temperatures):
+
+
+def _add_legend(
+    figure: go.Figure, response: FrequencyResponse, point: int, colours: Mapping[float | None, str]
+) -> None:
+    """Add what the legend names: temperatures, and the kinds of curves and dots that there are."""
+    for temperature, colour in colours.items():
         name = "clamps as stated" if temperature is None else f"{temperature:g} °C"
-        line = {"color": SERIES[index % len(SERIES)], "width": 2}
-        figure.add_scatter(x=[None], y=[None], mode="lines", name=name, line=line)
+        figure.add_scatter(x=[None], y=[None], mode="lines", name=name, line={"color": colour, "width": 2})
     if any(any(state.beyond) for curve in response.curves for state in curve.states):
         line = {"color": BEYOND_COLOUR, "width": 7}
         figure.add_scatter(x=[None], y=[None], mode="lines", name=BEYOND, line=line, opacity=0.3)
@@ -123,11 +142,6 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
         if any(dot.trusted == trusted for dot in response.dots):
             name = "co-simulation" if trusted else "co-simulation, not to be trusted"
             figure.add_scatter(x=[None], y=[None], mode="markers", name=name, marker={"color": "#777777", **mark})
-    levels = [curve.level for curve in response.curves]
-    wide = max(levels) > WIDE * min(levels)
-    figure.update_xaxes(title_text="f / Hz")
-    figure.update_yaxes(title_text="amplitude / mm", **(LOG_AXIS if wide else {}))
-    return styled(figure, f"Displacement at {response.points[point]}", height=480)
 
 
 def beyond_pieces(curve: Curve) -> list[list[SteadyState]]:
