@@ -125,6 +125,8 @@ def find_cycles(record: Record) -> Cycles:
         bounds = _bounds(time, frequency, interval)
         if len(bounds) < 2:  # it lacks its last step, which may be longer than others
             bounds = np.array([0, len(time)], dtype=np.intp)
+    if len(bounds) < 2 and len(turning_points(y, np.full(len(y), TURN * float(np.ptp(y))))) < 3:
+        raise UnusableRecord(f"no full cycle: it goes from {y[0]:.4g} to {y[-1]:.4g} mm and never turns back")
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")

@@ -300,6 +300,13 @@ def test_a_force_beyond_all_numbers_has_no_harmonics_and_says_nothing(harmonic_r
     assert not np.all(np.isfinite(found))
 
 
+def test_a_way_without_return_is_told_as_one():
+    """A compression test's only ramp had been "0.04 of a cycle at 0.004 Hz"."""
+    y = np.linspace(0.4, 9.7, 60)
+    with pytest.raises(UnusableRecord, match=r"no full cycle: it goes from 0\.4 to 9\.7 mm and never turns back"):
+        find_cycles(Record(0.26 * np.arange(60), y, 10 * y))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_noisy_cycle_that_a_machine_caught_is_whole(seed):
     """A pulse of 51 samples at 51.2 a cycle, of which noise hides that it is back: 0.92 of a cycle had been told."""

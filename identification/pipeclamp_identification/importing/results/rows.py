@@ -92,8 +92,8 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
             raise UserError(
-                f"no column is the {quantity} in {TARGETS[quantity]}; there are {_there(table)}; expected it to be "
-                f'stated: --columns "{quantity}=CHANNEL [{TARGETS[quantity]}]"; or by --pattern or --conditions'
+                f"no column is the {quantity} in {TARGETS[quantity]}; expected it to be stated, or by --pattern or "
+                f'--conditions:\n  --columns "{quantity}=CHANNEL [{TARGETS[quantity]}]"\n  there are {_there(table)}'
             )
     stiffness, used = _stiffness(table, columns)
     further = [one for one in columns.values() if one.quantity not in TARGETS]
@@ -205,14 +205,13 @@ def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[Co
             for quantity in ("storage_stiffness", "loss_stiffness")
         ]
         raise UserError(
-            "its moduli are the material's; expected how stiff the part is for 1 of their unit (1 MPa: N/mm, its area "
-            f"over its height in mm), in the place of {FOR_A_MODULUS} in {columns_option(stated)}"
+            "its moduli are the material's; expected how stiff the part is for 1 of their unit (for 1 MPa in N/mm: its "
+            f"area over its height, in mm), in the place of {FOR_A_MODULUS}:\n  {columns_option(stated)}"
         )
     raise UserError(
-        "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or dynamic "
-        f"stiffness, or the amplitudes of force and displacement, with loss angle or loss factor; there are "
-        f'{_there(table)}; which is which may be stated: --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle='
-        'CHANNEL [deg]"'
+        "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or, with loss "
+        "angle or loss factor, dynamic stiffness or the amplitudes of force and displacement, for example:\n"
+        f'  --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle=CHANNEL [deg]"\n  there are {_there(table)}'
     )
 
 
