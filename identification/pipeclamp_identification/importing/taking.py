@@ -29,13 +29,20 @@ from pipeclamp_identification.importing.reading import SourceFile, digest_of, re
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds, unsteady
+from pipeclamp_identification.importing.samples.split import Part, irregular, levels, piece_bounds, unsteady
 from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
-from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
+from pipeclamp_identification.importing.traces import (
+    Trace,
+    first_motion,
+    label_column,
+    moved_words,
+    segment_of,
+    time_of,
+    trace_of,
+)
 from pipeclamp_identification.importing.unusable import UnusableFileError
-from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -49,10 +56,6 @@ WIDEST_OVERVIEW = 600
 """Stretches that a picture of a whole table is thinned out to."""
 WORTH_PROCESSES = 24_000_000
 """Bytes of files from which on they are taken by several processes, which take a second or two to begin."""
-MOVES, BEYOND_NOISE = 0.5, 8.0
-"""Share of its size, and rms of its noise, by more than which a condition moves within a run before that is said."""
-FEWEST_WATCHED = 20
-"""Samples of it from which on that is told."""
 LARGE = 64_000_000
 """Bytes of a file that one process reads by itself; its parts are handed to others."""
 
@@ -367,7 +370,7 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
         seen=seen,
         done=(
             *(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
-            *(moved for name, values in further.items() if (moved := _moved_words(name, values))),
+            *(moved for name, values in further.items() if (moved := moved_words(name, values))),
         ),
         further={name: _mean(values) for name, values in further.items()},
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
@@ -386,17 +389,6 @@ def _mean(values: Array) -> float:
     """Give the mean of samples of which some may be blank; nan where all are."""
     finite = values[np.isfinite(values)]
     return float(np.mean(finite)) if len(finite) else math.nan
-
-
-def _moved_words(name: str, values: Array) -> str:
-    """Say that a further condition isn't one within a run, but moves by more than noise; "" where it stays."""
-    finite = values[np.isfinite(values)]
-    if len(finite) < FEWEST_WATCHED:
-        return ""
-    low, high = np.quantile(finite, (0.05, 0.95)).tolist()
-    if high - low <= max(MOVES * max(abs(low), abs(high)), BEYOND_NOISE * sample_noise(finite)):
-        return ""
-    return f"{name} moves from {low:.3g} to {high:.3g} within it: its mean counts, and no law follows it along a run"
 
 
 def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str, ...]]:
@@ -420,6 +412,8 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
         cycles = find_cycles(record)
         check_clipping(record, cycles)
     if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):
+        if disorder := irregular(record.displacement_mm):
+            return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({disorder}): it is free",)
         words = (*words, change)
     return record, seen_sine(record, cycles), words
 
