@@ -86,6 +86,9 @@ def test_an_analysers_table_becomes_a_campaign_of_metrics(tmp_path):
     found = pc.import_files(files, tmp_path / "c")
     assert found.written and len(found.to_dict()["runs"]) == 16
     assert "not used: 'Index [#]', 't [s]', 'F0 [N]', \"G' [MPa]\", 'G\" [MPa]'" in " ".join(found.notes)
+    view = found.view()
+    assert view.lines[0].endswith("c: 16 tests of 2 files, known by stiffness and loss, without a record")
+    assert view.lines[-1].startswith("Next: pipeclamp identify") and len(view.tables[1].rows) == 16
     campaign = read_tests(tmp_path / "c").campaign
     run = campaign.runs[3]
     assert (run.frequency_Hz, run.temperature_C, run.amplitude_mm) == (4.0, 20.0, pytest.approx(AMPLITUDE))
