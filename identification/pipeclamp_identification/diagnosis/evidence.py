@@ -150,7 +150,8 @@ def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> 
         free: runs that told the size of the scatter.
     """
     chances = []
-    for plane in directed.reshape(*directed.shape[:2], -1):
+    for each in directed:  # none, where all runs are at one condition
+        plane = each.reshape(len(each), -1)
         own = plane - (plane @ basis) @ basis.T
         known = np.linalg.norm(own, axis=1) > INDEPENDENT * np.linalg.norm(plane, axis=1)
         if not known.any():
@@ -158,7 +159,7 @@ def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> 
         span = np.linalg.qr(own[known].T)[0]
         explained = float(np.sum((span.T @ residual.ravel()) ** 2))
         chances.append(float(stats.f.sf(explained / span.shape[1], span.shape[1], max(free, 1))))
-    return min(1.0, len(chances) * min(chances, default=1.0))
+    return min(1.0, len(chances) * min(chances)) if chances else 1.0
 
 
 def _scaled(jacobian: Array) -> Array:

@@ -39,6 +39,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
+from pipeclamp_identification.diagnosis.weighing.causes import unless_at_one_condition
 from pipeclamp_identification.diagnosis.weighing.scales import Weighed, nothing_named
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
@@ -190,6 +191,7 @@ def diagnose(
     residual, missed = (problem.plain_residual(each.result.law_force) for each in (sound, law))
     differing = unstated(problem.loops, problem.noise, residual, missed)
     found = weigh(structure, problem, law, judged, tolerance, jobs, tell, differing)
+    found = unless_at_one_condition(found, problem.loops)
     tell("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
     if found.verdict != "complete":

@@ -28,14 +28,23 @@ def condition_groups(loops: Loops) -> IntArray:
     Where conditions lie so dense that they would all be the same, classes of them make the groups. Where all tests are
     at one amplitude and frequency, each run is a group of its own.
     """
+    groups = _amplitude_and_frequency_groups(loops)
+    if groups.max() == 0:
+        groups = np.unique(loops.run, return_inverse=True)[1]
+    return groups.astype(np.intp)
+
+
+def _amplitude_and_frequency_groups(loops: Loops) -> IntArray:
     conditions = (loops.amplitude_mm, loops.frequency_Hz)
     levels = np.stack(
         [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in conditions], axis=1
     )
-    groups = np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1)
-    if groups.max() == 0:
-        groups = np.unique(loops.run, return_inverse=True)[1]
-    return groups.astype(np.intp)
+    return np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
+
+
+def are_at_one_condition(loops: Loops) -> bool:
+    """Tell whether no condition can be left out to see what a law foretells: leaving a run out leaves its repeats."""
+    return bool(_amplitude_and_frequency_groups(loops).max() == 0) and not further_groups(loops)
 
 
 def further_groups(loops: Loops) -> dict[str, IntArray]:

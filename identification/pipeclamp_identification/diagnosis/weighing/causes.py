@@ -21,6 +21,8 @@ from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
 from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate
+from pipeclamp_identification.fitting.heldout import are_at_one_condition
+from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import told_apart
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import NamedKind
@@ -210,6 +212,14 @@ def _helps_alone(name: str, sound: Sequence[Judged], law: Judged) -> bool:
     """Tell whether an effect explains something of the lack of fit without a second one."""
     excess = (one.lack.excess for one in sound if effect_id(one.effects[0]) == effect_id(name))
     return min(excess, default=np.inf) < (1 - ALONE_SHARE) * law.lack.excess
+
+
+def unless_at_one_condition(found: Weighed, loops: Loops) -> Weighed:
+    """Call nothing the cause where no condition can be left out to see whether it foretells that."""
+    if found.kind != "cause" or not are_at_one_condition(loops):
+        return found
+    words = "all tests are at one amplitude and frequency, so that nothing shows whether it foretells others"
+    return replace(found, kind="part", reasons=(*found.reasons, words))
 
 
 def if_it_is_itself(found: Weighed) -> Weighed:
