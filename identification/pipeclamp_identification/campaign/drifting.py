@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import COLUMNS
+from pipeclamp_identification.campaign.clipping import CHANNEL_COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, runs_named
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
@@ -418,5 +418,5 @@ def repaired(record: Record, cycles: Cycles, by_cycle: CycleByCycle, channels: S
 
 def without(record: Record, channel: Channel, drift: Array | float) -> Record:
     """Give a record with a drift taken off one of its channels."""
-    column = COLUMNS[channel]
+    column = CHANNEL_COLUMNS[channel]
     return replace(record, **{column: getattr(record, column) - drift})

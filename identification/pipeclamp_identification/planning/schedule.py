@@ -20,7 +20,7 @@ LABORATORY = 20.0
 """degC, from which a rig is heated."""
 TABLE = "plan.csv"
 HOUR, MINUTE = 3600.0, 60.0
-COLUMNS = (
+SCHEDULE_COLUMNS = (
     "order", "run", "file", "kind", "block", "repeat", "temperature_C", "amplitude_mm", "frequency_Hz", "cycles",
     "ramp_cycles", "duration_s", "wait_min", "start_min", "first_cycle", "drive",
 )  # fmt: skip
@@ -138,10 +138,10 @@ def hours_of(runs: Sequence[ScheduledRun], times: RigTimes) -> float:
 def table_text(runs: Sequence[ScheduledRun]) -> str:
     """Give the text of plan.csv: a row a run, in their order."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer = csv.DictWriter(text, SCHEDULE_COLUMNS, lineterminator="\n")
     writer.writeheader()
     for order, one in enumerate(runs, 1):
-        own = {name: getattr(one, name) for name in COLUMNS if hasattr(one, name)}
+        own = {name: getattr(one, name) for name in SCHEDULE_COLUMNS if hasattr(one, name)}
         further = {
             "order": order,
             "file": f"runs/{one.run}.csv",

@@ -14,7 +14,7 @@ from pathlib import Path
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.owned import owned_folder
 
-KINDS = {
+FILE_KINDS = {
     stat.S_ISDIR: "is a folder",
     stat.S_ISFIFO: "is a pipe",
     stat.S_ISCHR: "is a device",
@@ -47,7 +47,7 @@ def refuse_no_file(path: Path, expected: str, where: str | None = None) -> None:
     except ValueError as error:
         raise UserError(f"{place}: is no name that a file can have; expected {expected}") from error
     if not stat.S_ISREG(mode):
-        kind = next((words for is_kind, words in KINDS.items() if is_kind(mode)), "is no file")
+        kind = next((words for is_kind, words in FILE_KINDS.items() if is_kind(mode)), "is no file")
         raise UserError(f"{place}: {kind}; expected {expected}")
 
 
