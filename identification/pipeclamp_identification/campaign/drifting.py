@@ -340,40 +340,56 @@ def _fault(
     where = f"in run {worst}, from its first cycle to its last{others}"
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
     shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"
-    if kind == "zero_drift" and done == "kept":
-        words = (
-            f"the zero of the displacement channel drifts, or the mean position does: {shown} {where}; the force "
-            "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
-            "stays while the machine rests"
-        )
-    elif kind == "zero_drift" and channel == "force" and _grows_with_amplitude(sizes, runs):
-        words = (
-            f"the mean force drifts: {shown} {where}; its loop and its position stay, but it drifts more at large "
-            "amplitudes, which no amplifier knows: something in the specimen builds up while it is worked (a pressure, "
-            "heat, creep), which no law here follows; the drift is taken off, and the mean force of these records "
-            "counts for nothing; to do: let it run until the mean stays, then record"
-        )
-    elif kind == "zero_drift":
-        stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
-        words = (
-            f"the zero of the {channel} channel drifts: {shown} {where}; {stays}, so it is no spring or damper of the "
-            "clamp's; the drift is taken off, and the mean force of these records counts for nothing, as nobody knows "
-            "where it stood; to do: let the amplifier warm up and the specimen settle, and set the zero before each run"
-        )
+    if kind == "gain_drift":
+        words = _gain_words(channel, f"by {size:+.2%} (standard error {100 * error:.1g} %) {where}", done)
+    elif done == "kept":
+        words = _zero_or_mean_words(f"{shown} {where}")
+    elif channel == "force" and _grows_with_amplitude(sizes, runs):
+        words = _built_up_words(f"{shown} {where}")
     else:
-        told = (
-            "stiffness and damping change in one ratio, as no effect does to both"
-            if channel == "force"
-            else "the force stays, though it follows the amplitude from run to run"
-        )
-        words = (
-            f"the gain of the {channel} channel drifts: by {size:+.2%} (standard error {100 * error:.1g} %) "
-            f"{where}; {told}; {_done_words(done)}; to do: calibrate it, and repeat these runs"
-        )
+        words = _zero_words(channel, f"{shown} {where}")
     return SensorFault(
         channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,
         runs=tuple(FaultyRun(run=run, size=one, standard_error=off) for run, (one, off) in sizes.items()),
     )  # fmt: skip
+
+
+def _zero_or_mean_words(shown: str) -> str:
+    return (
+        f"the zero of the displacement channel drifts, or the mean position does: {shown}; the force "
+        "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
+        "stays while the machine rests"
+    )
+
+
+def _built_up_words(shown: str) -> str:
+    return (
+        f"the mean force drifts: {shown}; its loop and its position stay, but it drifts more at large "
+        "amplitudes, which no amplifier knows: something in the specimen builds up while it is worked (a pressure, "
+        "heat, creep), which no law here follows; the drift is taken off, and the mean force of these records "
+        "counts for nothing; to do: let it run until the mean stays, then record"
+    )
+
+
+def _zero_words(channel: Channel, shown: str) -> str:
+    stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
+    return (
+        f"the zero of the {channel} channel drifts: {shown}; {stays}, so it is no spring or damper of the "
+        "clamp's; the drift is taken off, and the mean force of these records counts for nothing, as nobody knows "
+        "where it stood; to do: let the amplifier warm up and the specimen settle, and set the zero before each run"
+    )
+
+
+def _gain_words(channel: Channel, shown: str, done: Done) -> str:
+    told = (
+        "stiffness and damping change in one ratio, as no effect does to both"
+        if channel == "force"
+        else "the force stays, though it follows the amplitude from run to run"
+    )
+    return (
+        f"the gain of the {channel} channel drifts: {shown}; {told}; {_done_words(done)}; to do: calibrate it, and "
+        "repeat these runs"
+    )
 
 
 def _grows_with_amplitude(sizes: Mapping[str, tuple[float, float]], runs: Sequence[Watched]) -> bool:
