@@ -149,8 +149,8 @@ def change_table(change: LawChange) -> Table:
     """Give what a change of a law did to the error, and which parameters came, went, or moved beyond doubt."""
     scatter = None if change.noise_nrmse is None else 100 * change.noise_nrmse
     rows: list[Sequence[str | float | None]] = [
-        ("error on the runs used / %", 100 * change.nrmse[0], 100 * change.nrmse[1]),
-        ("error on left-out conditions / %", 100 * change.heldout[0], 100 * change.heldout[1]),
+        ("error on the runs used / %", 100 * change.nrmse.before, 100 * change.nrmse.after),
+        ("error on left-out conditions / %", 100 * change.heldout.before, 100 * change.heldout.after),
         ("scatter that no law explains / %", scatter, scatter),
     ]
     before, after = change.before.coefficients, change.after.coefficients

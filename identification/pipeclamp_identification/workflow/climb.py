@@ -70,7 +70,7 @@ class Settled:
     @property
     def heldout(self) -> float:
         """Error of the law on left-out conditions; infinite where no rung has stated it."""
-        return self.ladder[-1].change.heldout[1] if self.ladder else math.inf
+        return self.ladder[-1].change.heldout.after if self.ladder else math.inf
 
     def told(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
@@ -332,7 +332,7 @@ def _energy_words(file: LawFile) -> tuple[str, ...]:
 
 def _in_vain(steps: Sequence[LawChange]) -> InVain:
     """Give what a law was refitted with, or without, and isn't to have."""
-    without, having = rounded(steps[0].heldout[0]), rounded(steps[-1].heldout[1])
+    without, having = rounded(steps[0].heldout.before), rounded(steps[-1].heldout.after)
     if not steps[0].step.come:
         without, having = having, without
     return InVain(effect=WITH.join(change.step.effect for change in steps), refitted_nrmse=(without, having))
