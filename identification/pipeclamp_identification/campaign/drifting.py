@@ -73,6 +73,10 @@ class Change:
     error: float
     freedoms: float
 
+    def times(self, scale: float) -> Change:
+        """Give it in another unit, of which a size of one is so much."""
+        return Change(self.size * scale, self.error * scale, self.freedoms)
+
     def is_real(self, runs: int, least: float) -> bool:
         """Tell whether it is at least so large, and no chance among so many runs."""
         return abs(self.size) >= least and chance_of(self.size, self.error, self.freedoms) < FALSE_ALARM_CHANCE / runs
@@ -333,9 +337,9 @@ def _fault(
         done = "kept"
     place = 0 if channel == "displacement" else 1
     scale = {run.name: run.amplitudes[place] if kind == "zero_drift" else 1.0 for run in runs}
-    sizes = {run: (change.size * scale[run], change.error * scale[run]) for run, change in drifts.items()}
+    sizes = {run: change.times(scale[run]) for run, change in drifts.items()}
     worst = max(drifts, key=lambda run: abs(drifts[run].size))
-    size, error = sizes[worst]
+    size, error = sizes[worst].size, sizes[worst].error
     others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({runs_named(list(drifts))})"
     where = f"in run {worst}, from its first cycle to its last{others}"
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
@@ -350,7 +354,7 @@ def _fault(
         words = _zero_words(channel, f"{shown} {where}")
     return SensorFault(
         channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,
-        runs=tuple(FaultyRun(run=run, size=one, standard_error=off) for run, (one, off) in sizes.items()),
+        runs=tuple(FaultyRun(run=run, size=one.size, standard_error=one.error) for run, one in sizes.items()),
     )  # fmt: skip
 
 
@@ -392,10 +396,10 @@ def _gain_words(channel: Channel, shown: str, done: Done) -> str:
     )
 
 
-def _grows_with_amplitude(sizes: Mapping[str, tuple[float, float]], runs: Sequence[Watched]) -> bool:
+def _grows_with_amplitude(sizes: Mapping[str, Change], runs: Sequence[Watched]) -> bool:
     """Tell whether drifts grow with the amplitude of the motion, by a line through their logarithms."""
     amplitude = {run.name: run.amplitudes[0] for run in runs}
-    y = np.log([abs(size) for size, _ in sizes.values()])
+    y = np.log([abs(change.size) for change in sizes.values()])
     x = np.log([amplitude[run] for run in sizes])
     if len(x) < FEWEST_ALIKE or np.ptp(x) < math.log(VARIED):
         return False

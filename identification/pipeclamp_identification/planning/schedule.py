@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
-from pipeclamp_identification.campaign.rig import PlannedRun, plain_name
+from pipeclamp_identification.campaign.rig import RigRun, plain_name
 from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text
@@ -155,7 +155,7 @@ def table_text(runs: Sequence[ScheduledRun]) -> str:
     return text.getvalue()
 
 
-def read_plan(folder: Path) -> tuple[PlannedRun, ...]:
+def read_plan(folder: Path) -> tuple[RigRun, ...]:
     """Read the runs of a plan, in their order; from its folder or its plan.csv.
 
     Raises:
@@ -177,7 +177,7 @@ def read_plan(folder: Path) -> tuple[PlannedRun, ...]:
     return tuple(found)
 
 
-def _planned(row: Mapping[str, str | None], where: str) -> PlannedRun:
+def _planned(row: Mapping[str, str | None], where: str) -> RigRun:
     numbers = []
     for name in ("amplitude_mm", "frequency_Hz", "temperature_C", "first_cycle"):
         try:
@@ -186,4 +186,4 @@ def _planned(row: Mapping[str, str | None], where: str) -> PlannedRun:
             raise UserError(f"{where}, column {name!r}: got {row[name]!r}; expected a number") from None
     if not row["run"]:
         raise UserError(f"{where}, column 'run': nothing; expected its name")
-    return PlannedRun(row["run"], *numbers)
+    return RigRun(row["run"], *numbers)
