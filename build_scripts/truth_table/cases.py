@@ -357,7 +357,8 @@ class Measured:
 
     Attributes:
         campaign, heldout: what a user gets, and the same clamp at other conditions.
-        heldout_floor: error on `heldout`, as a share of its force, of the truth itself: noise and scatter between runs.
+        heldout_floor: error on `heldout`, as a share of its force, of the truth itself, told the displacement
+            that the sensor shows: noise and scatter between runs.
         sizes, strengths: of what is hidden.
         noise_share: rms noise as a share of the rms force.
     """
@@ -416,6 +417,12 @@ def further_runs(drawn: Drawn, done: Measured, campaign: Campaign, proposal: Pro
     return replace(campaign, fingerprint="sha256:extended", runs=(*campaign.runs, *added))
 
 
+def _as_shown(batch: Batch, place: Array) -> Batch:
+    """Give runs with the zero that their displacement sensor had: no law is told another."""
+    zero = np.mean(place - recorded(batch, batch.motion.y)[1], axis=1, keepdims=True)
+    return replace(batch, motion=replace(batch.motion, y=batch.motion.y + zero, memory={}))
+
+
 def measure(drawn: Drawn) -> Measured:
     """Size what is hidden and measure the campaigns."""
     sizes, strengths, noise = sized(drawn)
@@ -429,9 +436,9 @@ def measure(drawn: Drawn) -> Measured:
             channels.append((time, *measured(time, y, f, quality, random)))
         campaigns.append((campaign_of(f"{drawn.case.name} {name}", runs, channels, drawn.needs), channels))
     error = total = 0.0
-    for batch, true, (_, _, shown) in zip(
-        drawn.heldout, drawn.forces(drawn.heldout, sizes, False), campaigns[1][1], strict=True
-    ):
+    channels = campaigns[1][1]
+    moved = [_as_shown(batch, place) for batch, (_, place, _) in zip(drawn.heldout, channels, strict=True)]
+    for batch, true, (_, _, shown) in zip(moved, drawn.forces(moved, sizes, False), channels, strict=True):
         error += float(np.sum((shown - recorded(batch, true)[2]) ** 2))
         total += float(np.sum(shown**2))
     return Measured(

@@ -3,7 +3,7 @@
 import pytest
 
 from pipeclamp.cli.terminal import print_table
-from pipeclamp.show.layout import hanging, wrapped
+from pipeclamp.show.layout import hanging, room_of, wrapped
 from pipeclamp.show.table import Table
 
 HEADER = (
@@ -94,3 +94,9 @@ def test_a_unit_stays_beside_its_symbol_where_there_is_room(capsys):
 def test_a_sentence_goes_on_below_its_beginning_and_its_words_stay_whole():
     told = hanging("head\n  a sentence with /a/long/path/that/stays/whole.json at its end", 24)
     assert told.split("\n") == ["head", "  a sentence with", "  /a/long/path/that/stays/whole.json", "  at its end"]
+
+
+def test_letters_that_take_two_columns_get_them():
+    """A channel called 时间 had been cut to "时间 […"."""
+    assert room_of("时间 [s]") == 8 and room_of("力") == 2 and room_of("µm") == 2
+    assert all(room_of(line) <= 9 for line in wrapped("位移传感器一号 [mm]", 9).split("\n"))

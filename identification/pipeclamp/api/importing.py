@@ -11,6 +11,7 @@ from pipeclamp.api.tests import Tests, read_campaign
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found
+from pipeclamp_identification.importing.results.whole import FoundResults
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
@@ -33,7 +34,7 @@ class Import(Shown):
     <import clamp_7: 18 runs, not written>
     """
 
-    def __init__(self, found: Found) -> None:
+    def __init__(self, found: Found | FoundResults) -> None:
         self.found = found
 
     @property
@@ -62,13 +63,20 @@ class Import(Shown):
     def view(self) -> View:
         """Give what `pipeclamp import` tells."""
         from pipeclamp.show.imported import import_view
+        from pipeclamp.show.imported_results import results_view
 
-        return import_view(self.found)
+        return results_view(self.found) if isinstance(self.found, FoundResults) else import_view(self.found)
 
     def page(self) -> Report:
-        """Give the page that stands in the campaign's folder."""
+        """Give the page that stands in the campaign's folder.
+
+        Raises:
+            UserError: the files hold results, whose page `loop_metrics` draws.
+        """
         from pipeclamp.pages.imported import import_report
 
+        if isinstance(self.found, FoundResults):
+            raise UserError(f"{self.folder}: an import of results has no page of its own; expected that of its metrics")
         return import_report(self.found)
 
     def to_frame(self) -> pl.DataFrame:
@@ -79,7 +87,7 @@ class Import(Shown):
 
     def __repr__(self) -> str:
         """Give folder and number of runs."""
-        return f"<import {self.folder}: {len(self.found.imported.runs)} runs{'' if self.written else ', not written'}>"
+        return f"<import {self.folder}: {len(self.found.answer().runs)} runs{'' if self.written else ', not written'}>"
 
 
 @one_thread()
@@ -129,8 +137,8 @@ def import_files(
     """
     from pipeclamp.pages.imported import import_page
     from pipeclamp_identification.fitting.identify import software
+    from pipeclamp_identification.importing.results.whole import import_any
     from pipeclamp_identification.importing.stated import stated_options
-    from pipeclamp_identification.importing.whole import import_whole
 
     given = [files] if isinstance(files, str) or not isinstance(files, Sequence) else files
     paths = [Path(path_of(one, "a file")) for one in given]
@@ -141,7 +149,7 @@ def import_files(
     )
     table = None if conditions is None else Path(path_of(conditions, "a table of conditions"))
     options = stated_options(stated, pattern, table, rate, leave_out=lambda unusable: skip_unusable)
-    found = import_whole(
+    found = import_any(
         paths, Path(path_of(campaign, "a campaign's folder")), options,
         page=import_page, dry_run=dry_run, name=name, notes=notes, software=software(), format=format,
         progress=progress,

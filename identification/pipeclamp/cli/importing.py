@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+NO_PAGE = "--report draws no page of results; pipeclamp metrics CAMPAIGN --report does"
+
 
 def _campaign_to_write(path: Path) -> Path:
     """Refuse a folder that is neither new nor a campaign, before the work."""
@@ -82,9 +84,10 @@ def import_command(
     """Test machines' files to a campaign: channels and units found, runs cut out and checked; later files join it."""
     from pipeclamp.pages.imported import import_page
     from pipeclamp.show.imported import import_view
+    from pipeclamp.show.imported_results import results_view
     from pipeclamp_identification.fitting.identify import software
+    from pipeclamp_identification.importing.results.whole import FoundResults, import_any
     from pipeclamp_identification.importing.stated import stated_options
-    from pipeclamp_identification.importing.whole import import_whole
     from pipeclamp_models.base.files import write_whole
 
     spare(*files, outputs=(json, report))
@@ -94,11 +97,18 @@ def import_command(
     leave_out = _may_be_left_out if asked and not skip_unusable else lambda unusable: skip_unusable
     options = stated_options(columns, pattern, conditions, rate, leave_out=leave_out, ask=_ask if asked else None)
     with told("import") as tell:
-        found = import_whole(
+        found = import_any(
             files, output, options, page=page, confirm=_confirmed if asked and not yes else None,
             dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value,
             progress=tell,
         )  # fmt: skip
+    if isinstance(found, FoundResults):
+        for words in found.notes():
+            note(words)
+        if report:
+            note(NO_PAGE)
+        show(results_view(found, called), json)
+        return
     for entry in found.judged.left_out:
         warn(str(entry))
     for words in found.notes():

@@ -10,6 +10,7 @@ from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
+from pipeclamp_identification.importing.results.whole import FoundResults
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
 from pipeclamp_models.base.said import counted
@@ -93,7 +94,8 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
     if called and _names_are_needed(answer):
         lines.append("the files' names look as if they state settings, the temperature too: the line below takes them")
     elif _names_tell_more(answer) and called:
-        lines.append(f"the files' names look as if they state settings; to take them: {_again(found, answer, called)}")
+        again = again_with_pattern(found, answer, called)
+        lines.append(f"the files' names look as if they state settings; to take them: {again}")
     elif _names_tell_more(answer):
         again = ", into another folder" if found.written else ""
         lines.append(
@@ -111,7 +113,7 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
 def following_import(found: Found, answer: ImportAnswer, called: Sequence[str] = ()) -> str:
     """Give the shell line to run after an import, empty where there is none; `called` as for `import_lines`."""
     if _names_are_needed(answer):
-        return _again(found, answer, called) if called else ""
+        return again_with_pattern(found, answer, called) if called else ""
     is_there = found.written or not answer.new_files
     return after_import(str(found.folder)) if is_there and any(run.cycles for run in answer.runs) else ""
 
@@ -134,7 +136,7 @@ def _without_temperature(answer: ImportAnswer) -> list[str]:
     return [run.run for run in answer.runs if run.temperature_C is None and run.run not in lost]
 
 
-def _again(found: Found, answer: ImportAnswer, called: Sequence[str]) -> str:
+def again_with_pattern(found: Found | FoundResults, answer: ImportAnswer, called: Sequence[str]) -> str:
     """Give the command once more, with the pattern; what has been written stays, so it goes into another folder."""
     words = [word for word in called if word != "--dry-run"]
     if found.written:

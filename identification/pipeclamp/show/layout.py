@@ -6,6 +6,7 @@ import re
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from unicodedata import east_asian_width
 
 RULED, PLAIN = (3, 1), (2, -2)
 """Characters that each column's borders take, and the whole table's: with rules, and with spaces alone."""
@@ -79,7 +80,7 @@ def _lines(text: str, width: int) -> Iterator[str]:
     line = ""
     for word in text.split(" "):
         joined = f"{line} {word}" if line else word
-        if len(joined) <= width:
+        if room_of(joined) <= width:
             line = joined
             continue
         if line:
@@ -93,10 +94,11 @@ def _cut(word: str, width: int) -> list[str]:
     """Cut a word into pieces of at most so many characters, after its joints where it has some."""
     pieces = [""]
     for part in _parts(word):
-        if len(pieces[-1]) + len(part) <= width:
+        if room_of(pieces[-1]) + room_of(part) <= width:
             pieces[-1] += part
             continue
-        cut = [part[start : start + width] for start in range(0, len(part), width)]
+        size = width if room_of(part) == len(part) else max(1, width // 2)
+        cut = [part[start : start + size] for start in range(0, len(part), size)]
         pieces = [*pieces, *cut] if pieces[-1] else cut
     return pieces
 
@@ -152,7 +154,12 @@ def _filled(widths: Sequence[int], wanted: Sequence[int], room: int) -> list[int
 
 def _longest(texts: Iterable[str]) -> int:
     """Give the length of the longest line; 1 where there is none."""
-    return max((len(line) for text in texts for line in text.split("\n")), default=1) or 1
+    return max((room_of(line) for text in texts for line in text.split("\n")), default=1) or 1
+
+
+def room_of(text: str) -> int:
+    """Give the columns of a terminal that a text takes: letters of Chinese, Japanese and Korean take two."""
+    return len(text) if text.isascii() else sum(1 + (east_asian_width(one) in "WF") for one in text)
 
 
 def listed(header: Sequence[str], rows: Sequence[Sequence[str]], caption: str, width: int) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -12,6 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_models.base.arrays import Array, BoolArray
 
 # a plateau shorter than this is no evidence, whatever else
@@ -98,7 +98,7 @@ def _is_frictions(record: Record, cycles: Cycles, end: int) -> bool:
     """Tell whether a plateau of the force that ends at this steady sample is that of friction in a noiseless record."""
     force, y = record.force_N[cycles.steady], record.displacement_mm[cycles.steady]
     # fourth differences leave next to nothing of a smooth loop
-    noise = float(np.median(np.abs(np.diff(force, 4)))) / 0.6745 / math.sqrt(70)
+    noise = sample_noise(force)
     if noise > NOISY * quantum_of(force):
         return False
     near = max(2, round(AT_REVERSAL * len(y) / cycles.count))

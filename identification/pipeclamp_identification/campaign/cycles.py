@@ -12,6 +12,7 @@ import numpy as np
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.signals.half_cycles import turning_points
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate, phasor_powers
+from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
@@ -33,6 +34,8 @@ RIDING_ORDER = 20
 TURN_BACK_SHARE = 0.1
 # what such a record may lack until it is where it began, in units of its longest step
 LACKING = 1.25
+# times the rms of the noise within which two samples of it are the same value: 4 standard errors of their difference
+SAME_VALUE = 4 * math.sqrt(2)
 # the fewest samples per cycle with which a loop's shape is more than guesswork
 FEWEST_SAMPLES_PER_CYCLE = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
@@ -117,11 +120,13 @@ def find_cycles(record: Record) -> Cycles:
         fresh = _starts_fresh(force)
         frequency += _frequency_correction(displacement, frequency)
         bounds = first + _bounds(time[first:last], frequency, interval)
-    if len(bounds) < 2 and (closing := _closing_frequency(time, y)):
+    if len(bounds) < 2 and (closing := _closing_frequency(time, y, record.force_N)):
         frequency, first, last = closing, 0, len(time)
         bounds = _bounds(time, frequency, interval)
         if len(bounds) < 2:  # it lacks its last step, which may be longer than others
             bounds = np.array([0, len(time)], dtype=np.intp)
+    if len(bounds) < 2 and len(turning_points(y, np.full(len(y), TURN_BACK_SHARE * float(np.ptp(y))))) < 3:
+        raise UnusableRecord(f"no full cycle: it goes from {y[0]:.4g} to {y[-1]:.4g} mm and never turns back")
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
@@ -130,11 +135,13 @@ def find_cycles(record: Record) -> Cycles:
     return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
 
 
-def _closing_frequency(time: Array, y: Array) -> float | None:
+def _closing_frequency(time: Array, y: Array, force: Array) -> float | None:
     """Give the frequency of a record that is one cycle from end to end, None where it isn't.
 
     The best sine of one triangle, there and back, has another frequency, by which a part of the cycle would be missing.
-    A cycle that was cut out by a counter lacks its last step, and ends on its way there.
+    A cycle that was cut out by a counter lacks its last step, and ends on its way there. One that a machine caught
+    among thousands may be back within the noise of both channels alone: so closely that noise hides whether its last
+    sample repeats the first or stands a step before it.
     """
     size = float(np.ptp(y))
     turns = turning_points(y, np.full(len(y), TURN_BACK_SHARE * size))
@@ -142,9 +149,20 @@ def _closing_frequency(time: Array, y: Array) -> float | None:
         return None
     if abs(y[-1] - y[0]) <= STEADY_SHARE * size:
         return float(1.0 / time[-1])
+    if _comes_back(y) and _comes_back(force):
+        return float(1.0 / (time[-1] * (1 + 0.5 / (len(time) - 1))))
     if not lacks_a_step(y):
         return None
     return float(1.0 / (time[-1] + (y[0] - y[-1]) / (y[-1] - y[-2]) * (time[-1] - time[-2])))
+
+
+def _comes_back(values: Array) -> bool:
+    """Tell whether a channel ends where it began, within its noise, and not far off."""
+    size = float(np.ptp(values))
+    return bool(
+        abs(values[-1] - values[0])
+        <= min(TURN_BACK_SHARE * size, max(STEADY_SHARE * size, SAME_VALUE * sample_noise(values)))
+    )
 
 
 def lacks_a_step(y: Array) -> bool:

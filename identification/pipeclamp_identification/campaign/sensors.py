@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -28,6 +29,8 @@ FAR_ALONE = 20.0
 UNANSWERED = 0.1
 """Share of stiffness times mean displacement that a mean force reaches where the displacement is real: a stiffness that
 softens with the power -0.4 of the amplitude still answers with a third of it at fifteen amplitudes."""
+CLEARLY = 3.0
+"""Standard errors within which a mean force may follow the mean displacement."""
 MEAN_ALONE = np.array([1.0, 0.0])
 """What a zero changes of mean and fundamental."""
 
@@ -133,6 +136,9 @@ def zeros_elsewhere(runs: Sequence[SeenRecord]) -> Array | None:
     that was moved so far would answer with a mean force; where no run has one, it wasn't moved. Nothing is taken off
     runs that don't lie far off where others do, very far: the sensor was set between them.
 
+    A constant load, as of pulses that only press, makes a mean force wherever the zero is: then the runs' means tell.
+    Where they move far from run to run and the force doesn't follow, the specimen creeps, and none is a spring's.
+
     It is one for all where they lie within the largest amplitude of each other: those differences may be real. Else the
     sensor was set anew, and it is each run's own. Sines tell it best, for they go as far to each side, then free
     motions that begin at rest, and last the means of others.
@@ -144,12 +150,32 @@ def zeros_elsewhere(runs: Sequence[SeenRecord]) -> Array | None:
     if not np.all(far):
         far = np.abs(place) > FAR_ALONE * largest
     answered = np.abs(force) >= UNANSWERED * stiffness * np.abs(place)
-    if not np.any(far) or np.any(answered[far]):
+    if not np.any(far):
         return None
+    if np.any(answered[far]):
+        return place if _creeps(place, force, stiffness, largest) else None
     doubt = np.array([0 if isinstance(one, SeenSine) else 2 - _begins_at_rest(one) for one in runs])
     common = float(np.median(place[far & (doubt == np.min(doubt[far]))]))
     own = common if np.all(np.abs(place[far] - common) <= largest) else place
     return np.where(far, own, 0.0)
+
+
+def _creeps(place: Array, force: Array, stiffness: Array, largest: float) -> bool:
+    """Tell whether mean displacements move far from run to run, and mean forces surely don't follow them.
+
+    Args:
+        place: mean displacement of each run, mm, shape (n,).
+        force: mean force, N, and
+        stiffness: N/mm, of the same shape.
+        largest: amplitude of all runs, mm.
+    """
+    if len(place) < FEWEST_OTHERS or np.ptp(place) <= FAR * largest:
+        return False
+    moved = place - np.mean(place)
+    slope = float(moved @ force / (moved @ moved))
+    rest = force - np.mean(force) - slope * moved
+    error = math.sqrt(float(rest @ rest) / (len(place) - 2) / float(moved @ moved))
+    return abs(slope) + CLEARLY * error < UNANSWERED * float(np.median(stiffness))
 
 
 def _begins_at_rest(seen: SeenRecord) -> bool:

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_models.base.arrays import Array, IntArray
 
@@ -31,9 +29,7 @@ class Foretold:
 
 def foretold(judged: Judged, problem: Problem) -> Foretold:
     """Say how much a law errs on left-out (A, f) groups beyond scatter."""
-    variance = np.where(problem.noise.variance < UNSEEN_VARIANCE, problem.noise.total_variance(), 0.0)
-    scatter = mean_squares_of(np.sqrt(variance))
-    return beyond_scatter(judged.score.mean_squares - scatter, problem.groups, problem.loops.scatter_rms_N)
+    return beyond_scatter(problem.beyond_scatter(judged.score), problem.groups, problem.loops.scatter_rms_N)
 
 
 def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> Foretold:
@@ -64,8 +60,17 @@ MEASURE_OF_SHARES = "mean square beyond scatter, estimated for left-out conditio
 
 
 def explained_share(judged: Judged, law: Judged) -> float:
-    """Give the share of the mean-square lack of fit, on left-out conditions, that a law takes."""
-    before, after = law.score.mean_squares.sum(), judged.score.mean_squares.sum()
+    """Give the share that a law takes of what the law as it is misses on left-out conditions (mean square)."""
+    gain = float((law.score.mean_squares - judged.score.mean_squares).sum())
+    return float(np.clip(gain / law.missing, 0.0, 1.0)) if law.missing > 0 else 0.0
+
+
+def share_of_error(judged: Judged, other: Judged) -> float:
+    """Give the share of another law's mean-square error, on left-out conditions and scatter included, that a law takes.
+
+    What a law errs beyond scatter is no measure where that may be nothing.
+    """
+    before, after = other.score.mean_squares.sum(), judged.score.mean_squares.sum()
     return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
 
 

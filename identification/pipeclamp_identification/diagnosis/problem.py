@@ -13,7 +13,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
-from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model
+from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE, NoiseModel, WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.fitting.group_factors import GroupFactors
@@ -21,7 +21,13 @@ from pipeclamp_identification.fitting.groups import Groups, factors_of, find_gro
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import ages, fit_structure
 from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, unfitted
-from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations, points_enough
+from pipeclamp_identification.fitting.observations import (
+    LoopObservations,
+    coarser,
+    loop_observations,
+    mean_squares_of,
+    points_enough,
+)
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -105,6 +111,16 @@ class Problem:
         return find_groups(self.loops, self.harmonics, law_force)
 
     @cached_property
+    def scatter_squares(self) -> Array:
+        """Mean square of each run's error that scatter alone makes, N2, shape (R,)."""
+        variance = np.where(self.noise.variance < UNSEEN_VARIANCE, self.noise.total_variance(), 0.0)
+        return mean_squares_of(np.sqrt(variance))
+
+    def beyond_scatter(self, score: LeftOutScore) -> Array:
+        """Give the mean square of each run's error less what scatter makes of it, N2, shape (R,)."""
+        return np.asarray(score.mean_squares - self.scatter_squares)
+
+    @cached_property
     def share_trends(self) -> Array:
         """Stiffness and damping that follow one condition each, against the noise, shape (c, 2, R, m)."""
         return np.asarray(np.einsum("rij,cdrj->cdri", self.against_noise.whitener, self.noise.share_trends(self.loops)))
@@ -120,6 +136,8 @@ class Judged:
         fitted: whitened residuals and derivatives at the fit.
         score: how it foretells groups that were left out.
         lack: what it leaves over.
+        missing: what is missing on left-out groups, N2: the mean square of the error beyond scatter, and at least of
+            what follows the conditions in the fit to all, summed over the runs.
         heldout_nrmse: error on left-out groups as a share of the force, scatter included.
         heldout_by: the same for other groups that were left out (temperatures, specimens, further conditions).
         objections: why it can't be named, in words; empty where nothing speaks against it.
@@ -132,6 +150,7 @@ class Judged:
     fitted: Whitened
     score: LeftOutScore
     lack: LackOfFit
+    missing: float
     heldout_nrmse: float
     heldout_by: Mapping[str, float]
     objections: tuple[str, ...]
@@ -241,23 +260,26 @@ def judge(
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise, fitted.factors) if problem.discrepancy else fitted
-    left_out = WithoutGroups(result, problem.observations, problem.coarse, fitted)
-    score = left_out.score(problem.groups)
+    without = WithoutGroups(result, problem.observations, problem.coarse, fitted)
+    score = without.score(problem.groups)
+    left_out = problem.groups >= 0
     plain = problem.plain_residual(result.law_force)
     lack = lack_of_fit(
         against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.scatter_rms_N
     )
+    beyond = float(problem.beyond_scatter(score)[left_out].sum())
+    missing = max(beyond, lack.excess * np.count_nonzero(left_out))
     further = {
-        name: _share_of_force(left_out.score(groups), problem.loops, groups >= 0)
+        name: _share_of_force(without.score(groups), problem.loops, groups >= 0)
         for name, groups in problem.further_groups.items()
     }
-    error = _share_of_force(score, problem.loops, problem.groups >= 0)
+    error = _share_of_force(score, problem.loops, left_out)
     price = _price_of_free_means(result, problem)
     score = replace(score, squares=score.squares + price)
     akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
     lean = replace(result, law_force=replace(result.law_force, jacobian=None))
     return Judged(
-        effects, lean, fitted, score, lack, error, further,
+        effects, lean, fitted, score, lack, missing, error, further,
         objections(effects, result), (*reservations(effects, result), *of_groups(effects, structure, problem.factors)),
         akaike,
     )  # fmt: skip

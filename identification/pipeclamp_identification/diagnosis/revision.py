@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import larger_as_asked
-from pipeclamp_identification.diagnosis.foretold import explained_share, gains, takes_part
+from pipeclamp_identification.diagnosis.foretold import gains, share_of_error, takes_part
 from pipeclamp_identification.diagnosis.open_means import with_means_counted
 from pipeclamp_identification.diagnosis.problem import (
     Judged,
@@ -90,7 +90,7 @@ def _does_as_well(other: Judged, asked: RevisedLaw) -> bool:
     """Tell whether the law is no better than another one on left-out conditions, beyond its doubt or materially."""
     gain = gains(asked.law, other, asked.problem)
     doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
-    return bool(gain.sum() < doubt and explained_share(asked.law, other) < MATERIAL_PART_SHARE)
+    return bool(gain.sum() < doubt and share_of_error(asked.law, other) < MATERIAL_PART_SHARE)
 
 
 def simpler_structure(asked: RevisedLaw, names: Collection[str], progress: Progress) -> Structure | None:

@@ -32,7 +32,8 @@ HALF_TAKEN_SHARE = 0.5
 """What may be the form of the law's effects is another effect only if that takes half of the mean square on left-out
 conditions: any effect takes some of a wrong form."""
 MATERIAL_PART_SHARE = 0.05
-"""A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a fortieth."""
+"""A part that is worth a rung takes this share of the mean-square lack of fit: the error beyond scatter falls by a
+fortieth."""
 BEYOND_DOUBT_DRAWS_SHARE = 0.975
 """And it gains on left-out groups in more than this share of draws of them with replacement."""
 NEAR_NOISE_SHARE = 5.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Contender, Judged, Problem, judge, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.discovery.guards import surely_better
@@ -67,7 +67,7 @@ def with_needed_back(
         progress(f"what of {' and '.join(left)} is needed beside a term")
         back = judge_each(list(_each_back(term, left, law)), problem, jobs, progress)
         best = min(back, key=lambda one: one.squares, default=None)
-        if best is None or explained_share(best, term) < MATERIAL_PART_SHARE or not surely_better(best, term, problem):
+        if best is None or share_of_error(best, term) < MATERIAL_PART_SHARE or not surely_better(best, term, problem):
             return
         term, left = best, tuple(name for name in left if name != best.effects[0])
         if left == whole.effects[-len(left) :]:  # the law without its last ones: that is asked anyway

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import TermColumn
@@ -100,7 +100,7 @@ class Refining:
         if not tried:
             return None
         best, rivals = best_of(tried)
-        material = explained_share(best.judged, plain.judged) >= MATERIAL_PART_SHARE
+        material = share_of_error(best.judged, plain.judged) >= MATERIAL_PART_SHARE
         if best.squares > plain.squares - RIVAL_LIKELIHOOD or not material or not betters(best, plain, tried, hearing):
             return None
         wider = replace(hearing, refitted=[*hearing.refitted, *tried])

@@ -237,7 +237,7 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
 
 
 def _stated_column(table: RawTable, stated: Stated) -> Column:
-    channel, unit = _channel_named(table, stated)
+    channel, unit = channel_named(table, stated)
     own = unit_of(channel)
     counts = unit or own
     overrides = own if unit and own and unit != own else ""
@@ -259,7 +259,7 @@ def _stated_column(table: RawTable, stated: Stated) -> Column:
     )
 
 
-def _channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
+def channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
     """Find a channel by its heading, its name, or either with a unit in brackets behind it."""
     name = " ".join(stated.channel.split())
     if stated.ours == SEGMENT:

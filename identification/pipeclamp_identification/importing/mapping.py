@@ -16,7 +16,8 @@ from pipeclamp_identification.importing.naming import rank
 from pipeclamp_identification.importing.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
-from pipeclamp_identification.importing.unusable import UnusableFileError
+from pipeclamp_identification.importing.results.recognised import frequency_of_results, results_words
+from pipeclamp_identification.importing.unusable import ResultsFileError, UnusableFileError
 from pipeclamp_models.base.errors import UserError
 
 MOVED = ("displacement", "force")
@@ -55,7 +56,11 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     Raises:
         UserError: no table does, or what a channel is, is open and nobody can be asked.
     """
-    tables = source.tables
+    said = [one.ours for one in stated]
+    results = [table for table in source.tables if frequency_of_results(table, said)]
+    tables = tuple(table for table in source.tables if not any(table is one for one in results))
+    if not tables:
+        raise ResultsFileError(where_of(source, results[0]), results_words(results[0], said))
     whole = [table for table in tables if _is_whole(table, stated)]
     if not whole or len(tables) == 1:
         parts = by_own_times(tables[0]) if len(tables) == 1 else tables
@@ -84,7 +89,7 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     if not used:
         table = max(tables, key=lambda one: len(one.channels))
         refuse_open_questions(where_of(source, table), _mapped_or_refused(source, table, stated))
-    return MappedFile(tuple(used), tuple(aside))
+    return MappedFile(tuple(used), (*aside, *(table.name for table in results)))
 
 
 def _is_whole(table: RawTable, stated: Sequence[Stated]) -> bool:

@@ -142,6 +142,15 @@ def is_something_else(quantity: Quantity, channel: Channel) -> bool:
     )
 
 
+def is_speed(channel: Channel) -> bool:
+    """Tell whether a channel is in a unit of speed."""
+    try:
+        conversion("speed", unit_of(channel), "mm/s")
+    except UserError:
+        return False
+    return True
+
+
 def is_count(channel: Channel) -> bool:
     """Tell whether a channel counts cycles or samples, by its name."""
     return not COUNTS.isdisjoint(words_of(_name_of(channel)))

@@ -13,6 +13,7 @@ from pipeclamp_identification.importing.naming import (
     is_count,
     is_of_another,
     is_something_else,
+    is_speed,
     rank,
     serves,
     unit_of,
@@ -146,6 +147,10 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
         others = [one for one in some if unit_of(one) not in NO_UNIT]
         likely += sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))
     why = f"no channel is called a {quantity} or is in a unit of one"
+    speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
+    if speed:
+        likely = [one for one in likely if not quantity_of_unit(unit_of(one)) and one is not speed]
+        why = f"{speed.heading!r} is a speed, and forces over speeds are no loops: take the records"
     for column in table.unread:
         if column.is_whole and rank(quantity, column.channel):
             why = f"{column.words()}, so there is no {quantity}: export it as numbers"

@@ -39,6 +39,18 @@ def _again(place: str, why: str, remedy: str, is_damaged: bool) -> UnusableFileE
     return UnusableFileError(place, why, remedy, is_damaged=is_damaged)
 
 
+class ResultsFileError(UnusableFileError):
+    """A file that holds results, a row a test: alone it is no record, and among its like a campaign of metrics."""
+
+    def __reduce__(self) -> tuple[Callable[..., UnusableFileError], tuple[str, str, str, bool]]:
+        """Let it come out of another process."""
+        return _results_again, (self.place, self.why, self.remedy, self.is_damaged)
+
+
+def _results_again(place: str, why: str, remedy: str, is_damaged: bool) -> ResultsFileError:
+    return ResultsFileError(place, why, remedy, is_damaged=is_damaged)
+
+
 @dataclass(frozen=True)
 class UnusableFiles:
     """All files of an import that can't serve.
@@ -73,7 +85,8 @@ class UnusableFiles:
 
     def refusal(self) -> UserError:
         """Give the one message that tells all of them, and what to do."""
-        if self.files == 1:
+        results = [error for error in self.errors.values() if isinstance(error, ResultsFileError)]
+        if self.files == 1 or (len(results) == self.files):
             return next(iter(self.errors.values()))
         lines = [f"{self.heading()}; nothing was written", *self.lines()]
         if self.others:

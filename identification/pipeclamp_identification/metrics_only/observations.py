@@ -66,11 +66,12 @@ class MetricObservations:
     def logs(self, force: Array) -> Array:
         """Give the logs of measured over computed dW and W, shape (R, 2), for forces on the motion.
 
-        Where a law makes energy instead of dissipating it, nan.
+        Where a law makes energy instead of dissipating it, or its force is beyond all numbers, nan.
         """
         measured = np.stack([self.dissipated_energy, self.elastic_energy], axis=1)
         computed = np.stack(loop_energies(self.motion, force), axis=1)
-        return np.asarray(np.log(measured / np.where(computed > 0, computed, np.nan)))
+        usable = (computed > 0) & np.isfinite(computed)
+        return np.asarray(np.log(measured / np.where(usable, computed, np.nan)))
 
     def residual(self, law_force: LawForce) -> Array:
         """Give the logs of measured over computed dW and W, over the relative error; shape (R, 2)."""
@@ -124,14 +125,18 @@ def metric_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
 
 
 def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
-    """Give the derivatives of dW and W in J by some of the parameters, shape (P, R, 2)."""
+    """Give the derivatives of dW and W in J by some of the parameters, shape (P, R, 2).
+
+    Where a law's force is beyond all numbers they are 0: a fit has no way on from there.
+    """
     force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
     rows = np.arange(len(force))
     d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3
     top = jacobian[:, rows, np.argmax(force, axis=1)]
     bottom = jacobian[:, rows, np.argmin(force, axis=1)]
     d_elastic = (top - bottom) / 2 * motion.slow["A"][:, 0] / 2e3
-    return np.stack([d_dissipated, d_elastic], axis=2)
+    slopes = np.stack([d_dissipated, d_elastic], axis=2)
+    return np.where(np.isfinite(slopes), slopes, 0.0)
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
 from pipeclamp_identification.diagnosis.candidates import distinct
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
@@ -30,6 +28,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     REAL_CHANCE,
 )
 from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
+from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import NamedKind, Verdict
@@ -231,7 +230,9 @@ def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tupl
     parameters = [parameter for effect in added for parameter in effect.parameters]
     found = []
     for signal in dict.fromkeys(str(signal) for parameter in parameters for signal in parameter.follows):
-        counts = np.sort(np.unique(observations.motion.slow[signal], return_counts=True)[1])
+        values = observations.motion.slow[signal][:, 0]
+        alike = {"absolute": SAME_KELVIN} if signal == "T" else {"relative": SAME_SHARE}
+        counts = sorted(len(level.rows) for level in number_levels(values, **alike))
         if len(counts) > 1 and counts[-2] == 1:
             found.append(signal)
     return tuple(found)

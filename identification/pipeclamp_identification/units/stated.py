@@ -46,6 +46,7 @@ SPELLINGS: Mapping[str, str] = {
 MEANT: Mapping[Quantity, Mapping[str, str]] = {
     "force": {"kg": "kgf", "g": "gf", "lb": "lbf", "t": "1000 kgf", "to": "1000 kgf", "klb": "kip"},
     "preload": {"kg": "kgf", "lb": "lbf"},
+    "stiffness": {"lb/in": "lbf/in", "lbs/in": "lbf/in", "kg/mm": "kgf/mm", "kg/cm": "kgf/cm"},
     "temperature": {"c": "degC", "f": "degF", "k": "K", "°": "degC"},
     "time": {"S": "s", "m": "min"},
     "displacement": {"M": "m"},

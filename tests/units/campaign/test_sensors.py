@@ -187,6 +187,27 @@ def test_a_displacement_from_far_off_is_read_as_from_where_the_clamp_rests(tmp_p
         assert run.cycles.count == before.cycles.count
 
 
+@pytest.mark.parametrize(("follows", "creeps"), [(0.0, True), (0.5, False)])
+def test_a_position_that_creeps_under_a_constant_load_is_taken_off(tmp_path, follows, creeps):
+    """Pulses that only press, at means 5 to 11 amplitudes off: a law had followed these, a tenth as stiff."""
+    amplitude, stiffness = 1.0, 1200.0
+
+    def pressed(place, share, y, force):
+        size = amplitude / np.max(np.abs(y - np.mean(y)))
+        off = -(5.0 + 2.0 * place) * amplitude
+        kept = -stiffness * amplitude + follows * stiffness * off
+        return size * (y - np.mean(y)) + off, size * (force - np.mean(force)) + kept
+
+    _faulty(bundled_campaign("clamp_a"), tmp_path / "pressed", pressed, np.arange(4))
+    table = pl.read_csv(tmp_path / "pressed" / "runs.csv").drop("amplitude_mm")
+    table.write_csv(tmp_path / "pressed" / "runs.csv")
+    campaign = read_campaign(tmp_path / "pressed")
+    told = [words for words in campaign.remarks if "zero is not where the clamp rests" in words]
+    assert bool(told) is creeps
+    means = [np.mean(run.record.displacement_mm) for run in campaign.runs]
+    assert np.allclose(means, 0.0, atol=0.1) is creeps
+
+
 def test_a_gain_that_drifts_from_run_to_run_is_told(tmp_path):
     (fault,) = _over_runs(tmp_path, lambda at, y, force: (y, force * (1 - 0.1 * at)))
     assert (fault.channel, fault.fault, fault.over, fault.done) == ("force", "gain_drift", "campaign", "kept")

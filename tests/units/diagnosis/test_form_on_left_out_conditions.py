@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import beyond_scatter
+from pipeclamp_identification.diagnosis.foretold import beyond_scatter, explained_share
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
+from pipeclamp_identification.diagnosis.problem import Problem
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
@@ -41,13 +42,20 @@ def test_runs_that_are_never_left_out_say_nothing():
     assert found.share == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(("missing", "share"), [(0.4, 0.75), (0.2, 1.0), (0.0, 0.0)])
+def test_a_share_is_of_what_is_missing_beyond_scatter(missing, share):
+    law = SimpleNamespace(score=LeftOutScore(np.ones(2), np.array([1.0, 0.5])), missing=missing)
+    other = SimpleNamespace(score=LeftOutScore(np.ones(2), np.array([0.8, 0.4])))
+    assert explained_share(other, law) == pytest.approx(share)
+
+
 def weighed_for_form(errors, proved=True):
     """Weigh a law that leaves 0.6 times the noise over at tested conditions, which scatter can't hide."""
     none = np.zeros((RUNS, CHANNELS))
     noise = NoiseModel(np.full((RUNS, CHANNELS), SCATTER**2), Directions(none, none, none), RunScatter(), 0.0)
     scatter = SCATTER**2 * (1 + (CHANNELS - 1) / 2)
     loops = SimpleNamespace(scatter_rms_N=np.full(RUNS, NOISE), run=np.arange(RUNS))
-    problem = SimpleNamespace(noise=noise, groups=GROUPS, loops=loops)
+    problem = Problem(loops, None, None, noise, None, GROUPS, {})
     lack = LackOfFit(1e-9, 0.6, 0.55, 0.65, np.array([(0.6 * NOISE) ** 2]))
     score = LeftOutScore(np.ones(RUNS), (errors * NOISE) ** 2 + scatter)
     law = SimpleNamespace(lack=lack, score=score)

@@ -162,3 +162,11 @@ def test_channels_that_are_not_used_are_told_with_what_keeps_one():
     assert words.startswith("a.csv and 1 more: not used: 'Command [mm]', 'Density [kg/m3]'")
     assert shlex.split(words)[-1] == "measured_density_kg_m3=Density [kg/m3]"
     assert parse_columns(shlex.split(words)[-1])
+
+
+def test_no_channel_in_a_unit_of_something_else_is_proposed():
+    """A dynamometer's sums had been proposed as "displacement=Compression (lbf) [mm]"."""
+    sums = table("Velocity (in/s)", "Compression (lbf)", "Rebound (lbf)")
+    with pytest.raises(UserError, match=r"'Velocity \(in/s\)' is a speed, and forces over speeds are no loops") as told:
+        refuse_open_questions("a.csv", map_columns(sums))
+    assert "[mm]" not in str(told.value)

@@ -298,3 +298,26 @@ def test_a_force_beyond_all_numbers_has_no_harmonics_and_says_nothing(harmonic_r
         warnings.simplefilter("error")
         found = observations.transformed(force)
     assert not np.all(np.isfinite(found))
+
+
+def test_a_way_without_return_is_told_as_one():
+    """A compression test's only ramp had been "0.04 of a cycle at 0.004 Hz"."""
+    y = np.linspace(0.4, 9.7, 60)
+    with pytest.raises(UnusableRecord, match=r"no full cycle: it goes from 0\.4 to 9\.7 mm and never turns back"):
+        find_cycles(Record(0.26 * np.arange(60), y, 10 * y))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_noisy_cycle_that_a_machine_caught_is_whole(seed):
+    """A pulse of 51 samples at 51.2 a cycle, of which noise hides that it is back: 0.92 of a cycle had been told."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(51) / 512.0
+    pulse = (1 - np.cos(2 * np.pi * 10 * time)) / 2
+    late = (1 - np.cos(2 * np.pi * 10 * (time - 0.004))) / 2
+    y = -0.1 - 0.045 * late + rng.normal(0, 0.0012, 51)
+    force = -40 - 550 * pulse + rng.normal(0, 1.7, 51)
+    found = find_cycles(Record(time, y, force))
+    assert (found.count, found.frequency_Hz) == (1, pytest.approx(10.0, rel=0.03))
+    # noise hides no more than itself
+    with pytest.raises(UnusableRecord, match="no full cycle"):
+        find_cycles(Record(time[:42], y[:42], force[:42]))

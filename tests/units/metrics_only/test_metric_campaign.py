@@ -1,17 +1,22 @@
 """Campaigns of metrics without records: what is read, what is refused, and what writing and reading keeps."""
 
 import math
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.metrics_only.campaign import metric_observations
+from pipeclamp_identification.metrics_only.verdict import _tested_once
 from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_folder
+from pipeclamp_models.law.law import Structure, smoothing
+from pipeclamp_models.realise.force import force_of_equations
 
 HEADER = "run,amplitude_mm,frequency_Hz,temperature_C,dissipated_energy_J,max_elastic_energy_J\n"
 ROW = "A,0.8,3,20,0.9696,0.6318\n"
@@ -124,6 +129,31 @@ def test_what_is_refused(tests_of, table, words):
         tests_of(table)
     for word in words:
         assert word in str(refused.value)
+
+
+def test_a_force_beyond_all_numbers_ends_no_fit(tests_of):
+    """A stop's fit to an elastomer's metrics had ended in a traceback, others in warnings of NumPy's."""
+    observations = metric_observations(tests_of(HEADER + ROW))
+    equations = Structure().equations
+    values = np.array([1e4 if name == "alpha0" else 1.0 for name in equations.names])
+    with np.errstate(over="ignore", invalid="ignore"):
+        motion = observations.motion
+        beyond = force_of_equations(equations, values, smoothing(0.8, 3.0), motion, derivatives=True)
+        assert not np.all(np.isfinite(beyond.force))
+        free = np.arange(len(values))
+        assert np.all(np.isfinite(observations.as_shares().residual_slopes(beyond, free)))
+    with np.errstate(divide="raise", invalid="ignore"):
+        assert np.all(np.isnan(observations.logs(np.where(observations.motion.y > 0, np.inf, -np.inf))))
+
+
+@pytest.mark.parametrize(("apart", "told"), [(0.02, ()), (30.0, ("T",))])
+def test_temperatures_as_they_were_measured_are_one_where_they_scatter(tests_of, apart, told):
+    """An analyser's 16 rows at 40.00 to 40.02 °C had each been a temperature that was tested once."""
+    rows = [f"{n},0.8,{1.3**n:.4g},{20 + apart * n},0.96,0.63\n" for n in range(6)]
+    structure = Structure(effects=("damping_temperature",))
+    result = SimpleNamespace(equations=structure.equations)
+    judged = SimpleNamespace(effects=structure.effects, result=result)
+    assert _tested_once(judged, metric_observations(tests_of(HEADER + "".join(rows)))) == told
 
 
 def test_temperature_for_some_runs_only_is_refused(tests_of):

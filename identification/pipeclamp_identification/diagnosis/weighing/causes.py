@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct, ranked
-from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.foretold import explained_share, share_of_error
 from pipeclamp_identification.diagnosis.problem import Judged, without_essence
 from pipeclamp_identification.diagnosis.screen import fits
 from pipeclamp_identification.diagnosis.thresholds import (
@@ -87,11 +87,12 @@ def _more_in_force(best: Judged, others: Sequence[Judged], scales: Scales) -> st
 def _form_left(best: Judged, scales: Scales) -> str:
     """Say that a law leaves more than a cause's form may; empty where it doesn't.
 
-    A fit to few tests may leave little: what a cause's form can't foretell is left, too.
+    A fit to few tests may leave little: what a cause's form can't foretell is left, too. And what lies under scatter
+    shows no form.
     """
-    taken = explained_share(best, scales.law)
+    taken = share_of_error(best, scales.law)
     if taken < HALF_TAKEN_SHARE:
-        return f"on left-out conditions it takes only {taken:.0%} of what is missing"
+        return f"on left-out conditions it takes only {taken:.0%} of the law's error, scatter included"
     if is_adequate(best.lack, scales.tolerance) or best.lack.sure_share < CAUSE_NOISE_SHARE:
         return ""
     return f"{best.lack.share:.2g} times the noise still follows the conditions: its form isn't this one's exactly"
@@ -115,13 +116,13 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     """Name the first of two effects that together explain what is missing; None where no two do.
 
     Of some hundred pairs one or another comes near by chance: it is a part where more than scatter is left, or where it
-    foretells less than half of what is missing.
+    takes less than half of the law's error on left-out conditions.
     """
     if not found or not scales.explains(found[0]):
         return None
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
-    foretells = explained_share(pair, scales.law) >= HALF_TAKEN_SHARE
+    foretells = share_of_error(pair, scales.law) >= HALF_TAKEN_SHARE
     kind: NamedKind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
     likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
     firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering
@@ -39,7 +39,7 @@ def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: 
     if not _is_special_case(_added(special), _added(general)):
         return False
     takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
-    beyond = explained_share(general, special)
+    beyond = share_of_error(general, special)
     if not takes_half or beyond >= HALF_TAKEN_SHARE:
         return False
     return not beyond or explains(special, law, tolerance) or not explains(general, law, tolerance)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
@@ -11,6 +10,7 @@ from statistics import median
 import numpy as np
 
 from pipeclamp_identification.signals.half_cycles import turning_points
+from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_models.base.arrays import Array, IntArray
 
 GAP_STEPS = 20
@@ -132,8 +132,7 @@ def turns_of(y: Array) -> IntArray:
     """Give the turning points of a motion, noise aside."""
     if len(y) < 5:
         return np.array([0, max(len(y) - 1, 0)], dtype=np.intp)
-    noise = float(np.median(np.abs(np.diff(y, 4)))) / 0.6745 / math.sqrt(70)
-    least = max(NOISE * noise, SHARE * float(np.ptp(y)))
+    least = max(NOISE * sample_noise(y), SHARE * float(np.ptp(y)))
     return turning_points(y, np.full(len(y), least))
 
 

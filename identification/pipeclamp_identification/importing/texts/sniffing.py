@@ -156,7 +156,7 @@ def layout_of(lines: Sequence[str]) -> Layout:
             f"holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks; got {line!r} in it"
         )
     first = _first_line(lines, sample, delimiter, decimal, width, ended)
-    header = _whole_lines(lines[:first])
+    header = _whole_lines(lines[:first], delimiter)
     if ended and header and len(named := cells_of(header[-1], delimiter)) == width + 1 and named[-1]:
         # a column that is blank in most rows has a name
         width += 1
@@ -171,11 +171,16 @@ def layout_of(lines: Sequence[str]) -> Layout:
     return layout
 
 
-def _whole_lines(lines: Sequence[str]) -> list[str]:
-    """Give lines of a header; those that quotes hold together, as names with a line end are, become one."""
+def _whole_lines(lines: Sequence[str], delimiter: str) -> list[str]:
+    """Give lines of a header; those that quotes hold together, as names with a line end are, become one.
+
+    A quote opens where a cell begins: the loss modulus G" and a stroke of 2" open none.
+    """
+    begins = rf"(?:^|{re.escape(delimiter)})\s*\""
+    whole, begun = re.compile(begins + r'(?:[^"]|"")*"'), re.compile(begins)
     found: list[str] = []
     for line in lines:
-        if found and found[-1].count('"') % 2 and found[-1].count("\n") < LINES_OF_NAMES:
+        if found and found[-1].count("\n") < LINES_OF_NAMES and begun.search(whole.sub("", found[-1])):
             found[-1] += "\n" + line
         else:
             found.append(line)
@@ -378,8 +383,14 @@ def is_other_header(row: Sequence[str], names: Sequence[str], units: Sequence[st
 
 
 def _is_plain_unit(cell: str) -> bool:
-    """Tell whether a cell is a unit and nothing more: "kN", not "Load [kN]", nor the letter that a column is called."""
-    return cell not in NAME_LETTERS and is_unit(cell) and not unit_in_name(cell)[1]
+    """Tell whether a cell is a unit and nothing more: "kN", not "Load [kN]", nor the letter that a column is called.
+
+    "N/mm" and "mm/s" are; of "s/mm" nobody knows whether it is a displacement.
+    """
+    name, own = unit_in_name(cell)
+    return (
+        cell not in NAME_LETTERS and is_unit(cell) and (not own or quantity_of_unit(name) in ("displacement", "force"))
+    )
 
 
 def _unique(names: Sequence[str]) -> tuple[str, ...]:

@@ -1,0 +1,249 @@
+"""A table of results as rows of a campaign of metrics: storage and loss stiffness by whichever columns state them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.importing.columns import Stated, channel_named, columns_option, listed
+from pipeclamp_identification.importing.naming import unit_of
+from pipeclamp_identification.importing.questions import NONE
+from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.importing.results.quantities import (
+    AMPLITUDES,
+    LOSSES,
+    STIFFNESSES,
+    TARGETS,
+    amplitude_share,
+    is_modulus,
+    quantity_of,
+    turned,
+)
+from pipeclamp_identification.units.stated import Conversion
+from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.said import counted
+
+COLUMNS = {"amplitude": "amplitude_mm", "frequency": "frequency_Hz", "temperature": "temperature_C"}
+"""Columns of runs.csv that channels fill as they are."""
+STORAGE, LOSS = "storage_stiffness_N_mm", "loss_stiffness_N_mm"
+SHARES = {0.5: "taken for a stroke from peak to peak, by its name", 2**0.5: "taken for an effective value, by its name"}
+FOR_A_MODULUS = "12.5 N/mm"
+"""What an option shows in the place of a part's stiffness for a unit of its modulus."""
+
+
+@dataclass(frozen=True)
+class ResultColumn:
+    """A channel of results: which quantity it is, and what turns it into ours."""
+
+    quantity: str
+    channel: Channel
+    conversion: Conversion
+    stated: bool = False
+
+    @property
+    def values(self) -> Array:
+        """Its numbers in our unit, shape (rows,)."""
+        return self.conversion.factor * self.channel.values + self.conversion.offset
+
+
+@dataclass(frozen=True)
+class ResultRow:
+    """A test: its row in the file, what was set, and its stiffness in phase and a quarter of a cycle before it."""
+
+    row: int
+    settings: Mapping[str, float]
+    storage_N_mm: float
+    loss_N_mm: float
+
+    @property
+    def force(self) -> float | None:
+        """Amplitude of the force in N; None where that of the displacement is stated elsewhere."""
+        amplitude = self.settings.get("amplitude_mm")
+        return None if amplitude is None else math.hypot(self.storage_N_mm, self.loss_N_mm) * amplitude
+
+
+@dataclass(frozen=True)
+class ResultRows:
+    """Rows that serve, rows that don't and why, the columns that they come from, and what is to be told."""
+
+    rows: tuple[ResultRow, ...]
+    left_out: tuple[tuple[int, str], ...]
+    columns: tuple[ResultColumn, ...]
+    unused: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] = ()) -> ResultRows:
+    """Give the tests of a table of results.
+
+    Args:
+        table: as a file holds it.
+        stated: what the user says of its channels.
+        known: columns of runs.csv that something else states of each row.
+
+    Raises:
+        UserError: what is needed isn't there, or several columns may be it.
+    """
+    columns = _columns(table, stated)
+    for quantity in ("frequency", "amplitude"):
+        if quantity not in columns and COLUMNS[quantity] not in known:
+            raise UserError(
+                f"no column is the {quantity} in {TARGETS[quantity]}; expected it to be stated, or by --pattern or "
+                f'--conditions:\n  --columns "{quantity}=CHANNEL [{TARGETS[quantity]}]"\n  there are {_there(table)}'
+            )
+    stiffness, used = _stiffness(table, columns)
+    further = [one for one in columns.values() if one.quantity not in TARGETS]
+    kept = [columns[quantity] for quantity in COLUMNS if quantity in columns]
+    settings = {COLUMNS.get(one.quantity, one.quantity): one.values for one in (*kept, *further)}
+    rows: list[ResultRow] = []
+    left_out: list[tuple[int, str]] = []
+    for place in range(table.length):
+        row = table.first_row + place
+        own = {name: float(values[place]) for name, values in settings.items()}
+        k = complex(stiffness[place])
+        if why := _unusable(own, k):
+            left_out.append((row, why))
+        else:
+            rows.append(ResultRow(row, own, k.real, k.imag))
+    taken = (*kept, *used, *further)
+    headings = {one.channel.heading for one in taken}
+    notes = [
+        f"{one.channel.heading!r} is {words}"
+        for one in taken
+        if one.quantity in AMPLITUDES
+        for share, words in SHARES.items()
+        if amplitude_share(one.channel.name) == share
+    ]
+    unused = tuple(one.heading for one in table.channels if one.heading not in headings)
+    return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
+
+
+def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColumn]:
+    """Give the columns of each quantity: as stated, else by names and units."""
+    found: dict[str, ResultColumn] = {}
+    none: set[str] = set()
+    for one in stated:
+        if one.channel.casefold() == NONE:
+            none.add(one.ours)
+        else:
+            found[one.ours] = _stated_column(table, one)
+    taken = {one.channel.heading for one in found.values()}
+    for quantity in TARGETS:
+        if quantity in found or quantity in none:
+            continue
+        fitting = [
+            one
+            for one in table.channels
+            if one.heading not in taken and quantity_of(one) == quantity and not is_modulus(one)
+        ]
+        if len(fitting) > 1:
+            choices = [f"{quantity}={one.heading}" for one in fitting]
+            raise UserError(
+                f"{len(fitting)} columns may be the {quantity.replace('_', ' ')}: "
+                f"{listed([repr(one.heading) for one in fitting])}; expected it to be stated, for example (check it): "
+                f"{columns_option(choices[:1])}"
+            )
+        if fitting:
+            conversion = turned(quantity, unit_of(fitting[0]), fitting[0].name)
+            assert conversion is not None
+            found[quantity] = ResultColumn(quantity, fitting[0], conversion)
+    return found
+
+
+def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
+    """Give a column that was stated; what is no quantity of a result is a further condition, as it stands."""
+    channel, unit = channel_named(table, stated)
+    counts = unit or unit_of(channel)
+    if stated.ours in ("time", "displacement", "force"):
+        raise UsageError(
+            f"--columns: got {stated.ours}={stated.channel}, but each row is a test of its own, with a frequency; "
+            f"expected {', '.join(TARGETS)}"
+        )
+    if stated.ours not in TARGETS:
+        return ResultColumn(stated.ours, channel, Conversion(-1.0 if stated.reversed else 1.0), stated=True)
+    conversion = turned(stated.ours, counts, channel.name)
+    if conversion is None:
+        target = FOR_A_MODULUS if is_modulus(channel) else TARGETS[stated.ours]
+        raise UserError(
+            f"--columns, {stated.ours}={stated.channel}: {counts or 'no unit'} is none of a {stated.ours}; expected "
+            f"one that turns into {TARGETS[stated.ours]}, for example '{stated.ours}={channel.heading} [{target}]'"
+        )
+    return ResultColumn(stated.ours, channel, conversion, stated=True)
+
+
+def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[ComplexArray, list[ResultColumn]]:
+    """Give k' + i k'' of each row in N/mm, and the columns that it comes from.
+
+    Raises:
+        UserError: nothing states both.
+    """
+    if "storage_stiffness" in columns and "loss_stiffness" in columns:
+        both = columns["storage_stiffness"], columns["loss_stiffness"]
+        return _complex(both[0].values, both[1].values), list(both)
+    lag = next((columns[one] for one in LOSSES if one in columns), None)
+    if lag is not None:
+        angle = lag.values if lag.quantity == "loss_angle" else np.arctan(lag.values)
+        if "dynamic_stiffness" in columns:
+            dynamic = columns["dynamic_stiffness"].values
+            return _complex(dynamic * np.cos(angle), dynamic * np.sin(angle)), [columns["dynamic_stiffness"], lag]
+        if "storage_stiffness" in columns:
+            storage = columns["storage_stiffness"]
+            return _complex(storage.values, storage.values * np.tan(angle)), [storage, lag]
+        if {"force_amplitude", "amplitude"} <= set(columns):
+            force, way = columns["force_amplitude"], columns["amplitude"]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                whole = force.values / way.values
+            return _complex(whole * np.cos(angle), whole * np.sin(angle)), [force, lag]
+    moduli = {quantity_of(one): one for one in table.channels if is_modulus(one) and quantity_of(one) in STIFFNESSES}
+    if {"storage_stiffness", "loss_stiffness"} <= set(moduli):
+        stated = [
+            f"{quantity}={moduli[quantity].heading} [{FOR_A_MODULUS}]"
+            for quantity in ("storage_stiffness", "loss_stiffness")
+        ]
+        raise UserError(
+            "its moduli are the material's; expected how stiff the part is for 1 of their unit (for 1 MPa in N/mm: its "
+            f"area over its height, in mm), in the place of {FOR_A_MODULUS}:\n  {columns_option(stated)}"
+        )
+    raise UserError(
+        "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or, with loss "
+        "angle or loss factor, dynamic stiffness or the amplitudes of force and displacement, for example:\n"
+        f'  --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle=CHANNEL [deg]"\n  there are {_there(table)}'
+    )
+
+
+def _complex(real: Array, imaginary: Array) -> ComplexArray:
+    whole: ComplexArray = np.empty(len(real), dtype=np.complex128)
+    whole.real, whole.imag = real, imaginary
+    return whole
+
+
+def _unusable(settings: Mapping[str, float], k: complex) -> str:
+    """Say why a test can't be used, "" where it can."""
+    if not all(np.isfinite([*settings.values(), k.real, k.imag])):
+        return "a number is blank"
+    for name in ("amplitude_mm", "frequency_Hz"):
+        if name in settings and settings[name] <= 0:
+            return f"its {name} isn't above 0"
+    if k.real <= 0:
+        return "its storage stiffness isn't above 0"
+    return "" if k.imag > 0 else "its loss stiffness isn't above 0, so that it would make energy"
+
+
+def left_out_words(left_out: Sequence[tuple[int, str]], length: int) -> list[str]:
+    """Say how many of a table's rows can't be used, and why, by reason."""
+    reasons: dict[str, list[int]] = {}
+    for row, why in left_out:
+        reasons.setdefault(why, []).append(row)
+    return [
+        f"{len(rows)} of {counted(length, 'row')} left out, {why}: row{'s' if len(rows) > 1 else ''} "
+        f"{listed([str(row) for row in rows])}"
+        for why, rows in reasons.items()
+    ]
+
+
+def _there(table: RawTable) -> str:
+    return listed([repr(one.heading) for one in table.channels])
