@@ -10,6 +10,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import WINDOWS_DEVICES
 
 MOST_UPLOAD_BYTES = 512 * 2**20
 """Of one file."""
@@ -20,8 +21,7 @@ LONGEST_FILE_NAME = 120
 ABANDONED_s = 86400.0
 """After a day without another file nobody has the page open any more on which files were dropped."""
 BATCH = re.compile(r"[0-9a-f]{16}")
-RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
-"""Names that are devices on Windows."""
+RESERVED = re.compile(rf"(?i)({WINDOWS_DEVICES})(\..*)?")
 
 
 def safe_name(given: str) -> str:

@@ -22,6 +22,8 @@ FILE_KINDS = {
     stat.S_ISSOCK: "is a socket",
 }
 """What may stand where a file is expected; opening some of them waits for ever."""
+WINDOWS_DEVICES = r"con|prn|aux|nul|com\d|lpt\d"
+"""Names that are devices on Windows, whatever ends they have; in any case."""
 WAITS_s = (0.02, 0.05, 0.1, 0.2, 0.4)
 """Waited before a file that can't be replaced is tried again."""
 
