@@ -36,6 +36,8 @@ TURN_BACK_SHARE = 0.1
 LACKING = 1.25
 # times the rms of the noise within which two samples of it are the same value: 4 standard errors of their difference
 SAME_VALUE = 4 * math.sqrt(2)
+# times the rms of its noise by which a motion that turns again and again is one
+CLEAR_OF_NOISE = 20.0
 # the fewest samples per cycle with which a loop's shape is more than guesswork
 FEWEST_SAMPLES_PER_CYCLE = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
@@ -192,8 +194,11 @@ def _require_samples(time: Array, y: Array, frequency: float, interval: float) -
 def _require_vibration(y: Array, frequency: float, rest: float) -> None:
     """Refuse a displacement that is nothing but noise or drift, in which some fundamental is always found."""
     if rest > 0.5:
+        size = float(np.ptp(y))
+        wanders = size > CLEAR_OF_NOISE * sample_noise(y) and len(turning_points(y, np.full(len(y), TURN * size))) > 4
+        what = "no sine in it" if wanders else "constant displacement but for noise or drift"
         raise UnusableRecord(
-            f"constant displacement but for noise or drift: it stays within {np.ptp(y):.3g} mm, and of the sine of "
+            f"{what}: it stays within {size:.3g} mm, and of the sine of "
             f"{frequency:.4g} Hz that fits it best {100 * rest:.0f} % of the amplitude is left over"
         )
 

@@ -103,6 +103,23 @@ class Pattern:
         return settings
 
 
+def settings_of(path: Path, names: Sequence[str], pattern: Pattern | None) -> Settings:
+    """Give what names of a run state: of a column of its file, of the file, or of one of its tables.
+
+    Raises:
+        UserError: none follows the pattern.
+    """
+    if pattern is None:
+        return {}
+    found = next((settings for name in names if (settings := pattern.settings(name)) is not None), None)
+    if found is None:
+        raise UserError(
+            f"{path}: its name, {' or '.join(map(repr, names))}, doesn't follow --pattern {pattern.text!r}; expected "
+            "one that does, or a pattern that all names follow"
+        )
+    return found
+
+
 def _column_of(field: str) -> tuple[str, float, float]:
     """Give the column of runs.csv that a field fills, and what turns its numbers into the column's unit."""
     if field in (*NUMBER_COLUMNS, *TEXTS):

@@ -14,7 +14,7 @@ from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
-from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
+from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in, settings_of
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls
 from pipeclamp_identification.importing.reading import digest_of, stem_of
@@ -159,23 +159,6 @@ def _plain(text: str) -> str:
     return re.sub(r"[^\w.,+-]+", "_", text)[:LONGEST_NAME].strip("_.")
 
 
-def _settings_of(path: Path, names: Sequence[str], pattern: Pattern | None) -> Settings:
-    """Give what names of a run state: of a column of its file, of the file, or of one of its tables.
-
-    Raises:
-        UserError: none follows the pattern.
-    """
-    if pattern is None:
-        return {}
-    found = next((settings for name in names if (settings := pattern.settings(name)) is not None), None)
-    if found is None:
-        raise UserError(
-            f"{path}: its name, {' or '.join(map(repr, names))}, doesn't follow --pattern {pattern.text!r}; expected "
-            "one that does, or a pattern that all names follow"
-        )
-    return found
-
-
 class _Planner:
     """Takes drafts file after file, names them, and gives the plan."""
 
@@ -260,7 +243,7 @@ class _Planner:
         Raises:
             UserError: neither name follows the pattern.
         """
-        settings = _settings_of(path, tuple(dict.fromkeys((own, stem))), self.options.pattern)
+        settings = settings_of(path, tuple(dict.fromkeys((own, stem))), self.options.pattern)
         name = self._name(own, stem, single)
         self.own[name] = own
         measured: Settings = {

@@ -32,6 +32,8 @@ SLOW = 1.0
 USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"), "temperature": ("°C", "K")}
 """Units that a channel without one may be in, the first of them ours."""
 NO_UNIT = ("", "-", "--", "1")
+SYMBOLS = {"time": ("t",), "displacement": ("x", "y", "d", "s", "u", "z"), "force": ("f", "p")}
+"""Letters that stand for a quantity: of channels without a unit, those that are called so are proposed first."""
 
 
 @dataclass(frozen=True)
@@ -146,6 +148,7 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
     else:
         others = [one for one in some if unit_of(one) not in NO_UNIT]
         likely += sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))
+    likely.sort(key=lambda one: one.name.casefold().strip() not in SYMBOLS.get(quantity, ()))
     why = f"no channel is called a {quantity} or is in a unit of one"
     speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
     if speed:

@@ -29,11 +29,19 @@ from pipeclamp_identification.importing.reading import SourceFile, digest_of, re
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds, unsteady
+from pipeclamp_identification.importing.samples.split import Part, irregular, levels, piece_bounds, unsteady
 from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
-from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
+from pipeclamp_identification.importing.traces import (
+    Trace,
+    first_motion,
+    label_column,
+    moved_words,
+    segment_of,
+    time_of,
+    trace_of,
+)
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.arrays import Array
@@ -354,13 +362,17 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
     record, seen, words = _usable(repaired.record, piece.timed)
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
+    further = {name: values[kept.first : kept.last] for name, values in trace.further.items()}
     draft = Draft(
         samples=_samples(piece.table, trace, kept),
         span=_span(trace, kept),
         record=path,
         seen=seen,
-        done=(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
-        further={name: _mean(values[kept.first : kept.last]) for name, values in trace.further.items()},
+        done=(
+            *(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
+            *(moved for name, values in further.items() if (moved := moved_words(name, values))),
+        ),
+        further={name: _mean(values) for name, values in further.items()},
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
         label=piece.label,
     )
@@ -400,6 +412,8 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
         cycles = find_cycles(record)
         check_clipping(record, cycles)
     if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):
+        if disorder := irregular(record.displacement_mm):
+            return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({disorder}): it is free",)
         words = (*words, change)
     return record, seen_sine(record, cycles), words
 

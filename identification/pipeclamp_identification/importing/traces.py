@@ -14,11 +14,17 @@ from pipeclamp_identification.importing.naming import SEGMENT
 from pipeclamp_identification.importing.raw import LabelColumn, RawTable
 from pipeclamp_identification.importing.samples.codes import without_codes
 from pipeclamp_identification.importing.samples.repair import mended_channel
+from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.units import CELSIUS
+
+MOVES, BEYOND_NOISE = 0.5, 8.0
+"""Share of its size, and rms of its noise, by more than which a condition moves within a run before that is said."""
+FEWEST_WATCHED = 20
+"""Samples of it from which on that is told."""
 
 
 @dataclass(frozen=True)
@@ -167,3 +173,14 @@ def _refuse_below_zero(where: str, columns: Sequence[Column], values: Mapping[st
             f"{where}, channel {column.heading!r}: {lowest:.4g} °C is below absolute zero; expected another unit than "
             f"{column.unit!r}, or none: state it, for example {columns_option([f'temperature={remedy}'])}"
         )
+
+
+def moved_words(name: str, values: Array) -> str:
+    """Say that a further condition isn't one within a run, but moves by more than noise; "" where it stays."""
+    finite = values[np.isfinite(values)]
+    if len(finite) < FEWEST_WATCHED:
+        return ""
+    low, high = np.quantile(finite, (0.05, 0.95)).tolist()
+    if high - low <= max(MOVES * max(abs(low), abs(high)), BEYOND_NOISE * sample_noise(finite)):
+        return ""
+    return f"{name} moves from {low:.3g} to {high:.3g} within it: its mean counts, and no law follows it along a run"

@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.problem import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.fitting.starts import SINGULAR_SHARE
-from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
+from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations, as_seen_at_few
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.signals.orthonormal import orthonormal
@@ -192,10 +192,12 @@ class LeftOutErrors:
 
     Attributes:
         observations: the metrics.
+        few: the same at few points of the cycle, for the fits.
         tell: is told what is being done.
     """
 
     observations: MetricObservations
+    few: MetricObservations
     tell: Progress
     _known: dict[tuple[str, ...], Array] = field(default_factory=dict)
 
@@ -203,7 +205,8 @@ class LeftOutErrors:
         """Give the sum of squared logs on each run, shape (R,); see `heldout_squares`."""
         if judged.effects not in self._known:
             self.tell(f"left-out conditions, {judged.name or 'law as it is'}")
-            found = heldout_squares(judged.structure, self.observations, judged.result.law.values)
+            few = as_seen_at_few(self.few, self.observations, judged.result.law)
+            found = heldout_squares(judged.structure, few, judged.result.law.values)
             self._known[judged.effects] = found
         return self._known[judged.effects]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from pipeclamp_identification.diagnosis.candidates import distinct
+from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.candidates import by_score, candidates_of, unlike
@@ -20,13 +21,14 @@ from pipeclamp_identification.metrics_only.evidence import (
     metric_scatter_of,
     single_rows,
 )
-from pipeclamp_identification.metrics_only.observations import MetricObservations
+from pipeclamp_identification.metrics_only.observations import MetricObservations, as_seen_at_few
 from pipeclamp_identification.metrics_only.screen import Look
 from pipeclamp_identification.metrics_only.thresholds import (
     HOPELESS_CHANCE,
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
+from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
@@ -163,9 +165,9 @@ def diagnose_metrics(
     smooth = _smooth(campaign, coarse)
     fitted = candidates_of(structure, campaign, coarse, smooth, tell)
     scatter = metric_scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
-    observations = metric_observations(campaign).with_scatter(scatter.share)
+    observations, few = (each.with_scatter(scatter.share) for each in (metric_observations(campaign), coarse))
     tell("evidence in units of the scatter")
-    again = partial(_again, observations=observations)
+    again = partial(_again, observations=observations, few=few)
     law, richest = again(fitted.law), again(fitted.richest)
     alone, together = (sorted(map(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
     chances = _chances(law, alone, together, fitted.looks, scatter)
@@ -174,7 +176,7 @@ def diagnose_metrics(
         chance_of_lack(law, observations, smooth, SCATTER_BEFOREHAND),
         chance_of_lack(richest, observations, smooth, SCATTER_BEFOREHAND),
     )
-    heldout = LeftOutErrors(observations, tell)
+    heldout = LeftOutErrors(observations, few, tell)
     scales = MetricScales(law, richest, alone, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)
     rests_on: tuple[int, ...] = ()
@@ -182,7 +184,7 @@ def diagnose_metrics(
     if found.verdict == "missing":
         named = found.laws[0]
         tell(f"what {named.name} rests on")
-        rests_on = single_rows(named.result, structure, observations)
+        rests_on = single_rows(named.result, structure, as_seen_at_few(few, observations, named.result.law))
         tested_once = _tested_once(named, observations)
     shown = [
         judged for place, judged in enumerate(alone)
@@ -238,9 +240,11 @@ def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tupl
     return tuple(found)
 
 
-def _again(judged: MetricJudged, observations: MetricObservations) -> MetricJudged:
-    """Refit a law to the metrics as they are weighted now."""
-    return judge_metrics(judged.effects, judged.structure, judged.result.law.values, observations)
+def _again(judged: MetricJudged, observations: MetricObservations, few: MetricObservations) -> MetricJudged:
+    """Refit a law to the metrics as they are weighted now: at few points of the cycle, and from there at all."""
+    seen = as_seen_at_few(few, observations, judged.result.law)
+    near = fit(judged.structure, seen, start=judged.result.law.values, tolerance=CLOSELY).law.values
+    return judge_metrics(judged.effects, judged.structure, near, observations, ROUGHLY)
 
 
 def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array:

@@ -140,6 +140,7 @@ def test_a_statement_that_makes_no_sense_is_refused(option):
         (["Time [s]", "Stroke [mm]", "Load [V]"], ("Load [V]", 1.0)),
         (["Time [s]", "Stroke [mm]", "Load [1/[current_A]]"], ("Load [1/[current_A]]", 1.0)),
         (["A", "B", "C"], ("C", 1.0)),
+        (["t", "A", "D", "Y", "V", "F"], ("F", 1.0)),
         (["Time [s]", 'Weg "links"', "Kraft $1"], ("Kraft $1", 1.0)),
         (["Time [s]", "y (mm)", "Load (N)", "Temperatur [V]"], ("Load (N)", 1.0)),
         (["Cycle", "A", "B [mm]", "C [N]"], ("C [N]", 1.0)),
@@ -170,3 +171,10 @@ def test_no_channel_in_a_unit_of_something_else_is_proposed():
     with pytest.raises(UserError, match=r"'Velocity \(in/s\)' is a speed, and forces over speeds are no loops") as told:
         refuse_open_questions("a.csv", map_columns(sums))
     assert "[mm]" not in str(told.value)
+
+
+def test_letters_of_a_quantity_are_proposed_before_others():
+    """Of a damper's record with t, A, D, Y, V and F, the acceleration had been proposed for a displacement."""
+    with pytest.raises(UserError) as told:
+        found(["t", "A", "D", "Y", "V", "F"])
+    assert '--columns "time=t [s],displacement=D [mm],force=F [N]"' in str(told.value)

@@ -12,6 +12,7 @@ import pipeclamp as pc
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.quantities import quantity_of, turned
 from pipeclamp_identification.importing.results.recognised import frequency_of_results
+from pipeclamp_identification.importing.texts.sniffing import layout_of
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UsageError, UserError
 
@@ -53,7 +54,8 @@ def table(channels, length=8):
         ("Static Stiffness", "N/mm", ""), ("Loss Angle", "deg", "loss_angle"), ("Phase", "°", "loss_angle"),
         ("tan δ", "", "loss_factor"), ("Tan Delta", "-", "loss_factor"), ("Verlustfaktor", "", "loss_factor"),
         ("Frequency", "Hz", "frequency"), ("ω", "rad/s", "frequency"), ("Sample frequency", "Hz", ""),
-        ("Displacement Amplitude", "mm", "amplitude"), ("Mean Displacement", "mm", ""), ("x0", "µm", ""),
+        ("Displacement Amplitude", "mm", "amplitude"),
+        ("DynAmpl", "mm", "amplitude"), ("Mean Displacement", "mm", ""), ("x0", "µm", ""),
         ("E'", "MPa", "storage_stiffness"), ("Supply pressure", "bar", ""), ("Load", "kN", "force_amplitude"),
     ],
 )  # fmt: skip
@@ -86,6 +88,9 @@ def test_an_analysers_table_becomes_a_campaign_of_metrics(tmp_path):
     found = pc.import_files(files, tmp_path / "c")
     assert found.written and len(found.to_dict()["runs"]) == 16
     assert "not used: 'Index [#]', 't [s]', 'F0 [N]', \"G' [MPa]\", 'G\" [MPa]'" in " ".join(found.notes)
+    view = found.view()
+    assert view.lines[0].endswith("c: 16 tests of 2 files, known by stiffness and loss, without a record")
+    assert view.lines[-1].startswith("Next: pipeclamp identify") and len(view.tables[1].rows) == 16
     campaign = read_tests(tmp_path / "c").campaign
     run = campaign.runs[3]
     assert (run.frequency_Hz, run.temperature_C, run.amplitude_mm) == (4.0, 20.0, pytest.approx(AMPLITUDE))
@@ -164,3 +169,26 @@ def test_two_columns_that_may_be_one_quantity_are_asked(tmp_path):
         pc.import_files(tmp_path / "a.csv", tmp_path / "c")
     pc.import_files(tmp_path / "a.csv", tmp_path / "c", columns="amplitude=Amplitude B [mm]")
     assert read_tests(tmp_path / "c").campaign.runs[0].amplitude_mm == 0.2
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "units"),
+    [
+        (
+            "T=0;Mw=94.9;chem=PI;\nFreq\t    G'\t        G\"\t        Temp\t    Strain\n"
+            "rad/s\t    Pa\t        Pa\t        °C\t        %\n100  3.48E5  70871  -0.0079  0.967\n"
+            "68.1  3.33E5  70723  -0.0088  0.964\n46.4  3.17E5  71696  -0.0101  0.962\n",
+            ("Freq", "G'", 'G"', "Temp", "Strain"), ("rad/s", "Pa", "Pa", "°C", "%"),
+        ),
+        (
+            "Report;Rig 7\nPreload;-500;N\n\nFreq;DynAmpl p-p;K*;Phase;K';K\";C\nHz;mm;N/mm;deg;N/mm;N/mm;Ns/mm\n"
+            "1,0;0,20;310,2;6,10;308,4;32,96;5,246\n5,0;0,20;321,7;6,90;319,4;38,65;1,230\n",
+            ("Freq", "DynAmpl p-p", "K*", "Phase", "K'", 'K"', "C"),
+            ("Hz", "mm", "N/mm", "deg", "N/mm", "N/mm", "Ns/mm"),
+        ),
+        ("t,A,D,Y,fs,V,F\n0,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", ("t", "A", "D", "Y", "fs", "V", "F"), ("",) * 7),
+    ],
+)  # fmt: skip
+def test_rows_of_units_of_results_are_told_from_names(text, names, units):
+    layout = layout_of(text.splitlines())
+    assert (layout.names, layout.units) == (names, units)

@@ -17,7 +17,7 @@ from pipeclamp_identification.importing import taking
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.repair import evened, without_spikes
-from pipeclamp_identification.importing.samples.split import split
+from pipeclamp_identification.importing.samples.split import irregular, split
 from pipeclamp_models.base.errors import UsageError, UserError
 
 
@@ -515,3 +515,37 @@ def test_a_cycle_that_was_cut_out_by_a_counter_is_whole(seed):
     assert cycles.count == 1 and cycles.frequency_Hz == pytest.approx(1 / 4.0, rel=0.01)
     with pytest.raises(UnusableRecord, match="no full cycle"):
         find_cycles(Record(0.1 * np.arange(36), y[:36], force[:36]))
+
+
+@pytest.mark.parametrize(("level", "told"), [("switched", True), ("steady", False), ("off", False)])
+def test_a_condition_that_moves_within_a_run_is_told(tmp_path, level, told):
+    """A voltage that was switched while the damper moved had become a condition by its mean, without a word."""
+    rng = np.random.default_rng(5)
+    time = np.arange(1600) / 200
+    y = 0.5 * np.sin(2 * np.pi * 2 * time)
+    levels = {"switched": 2.25 * (time % 1.3 > 0.7), "steady": np.full(1600, 2.25), "off": np.zeros(1600)}
+    voltage = levels[level] + rng.normal(0, 0.01, 1600)
+    rows = [
+        "t [s],y [mm],F [N],U [V]",
+        *(f"{a},{b:.6f},{900 * b:.5f},{u:.5f}" for a, b, u in zip(time, y, voltage, strict=True)),
+    ]
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    (run,) = pc.import_files(tmp_path / "a.csv", tmp_path / "c", columns="voltage_V=U [V]").to_dict()["runs"]
+    assert any("voltage_V moves from" in words for words in run["done"]) is told
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_motion_that_noise_drives_is_free(tmp_path, seed):
+    """The one cycle of it that came nearest to a sine had been a run of its own amplitude and frequency."""
+    window = np.hanning(60)
+    y = np.convolve(np.random.default_rng(seed).normal(size=1059), window, mode="valid") / 5
+    rows = ["t [s],y [mm],F [N]", *(f"{n / 200},{b:.6f},{900 * b:.5f}" for n, b in enumerate(y))]
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    (run,) = pc.import_files(tmp_path / "a.csv", tmp_path / "c").to_dict()["runs"]
+    assert run["cycles"] is None and "it is free" in " ".join(run["done"])
+
+
+def test_a_program_that_grows_with_each_cycle_is_no_noise():
+    time = np.arange(4000) / 200
+    assert not irregular(np.repeat(1.5 ** np.arange(20), 200) * np.sin(2 * np.pi * time))
+    assert not irregular(np.exp(-time / 3) * np.sin(2 * np.pi * time))

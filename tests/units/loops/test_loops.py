@@ -321,3 +321,10 @@ def test_a_noisy_cycle_that_a_machine_caught_is_whole(seed):
     # noise hides no more than itself
     with pytest.raises(UnusableRecord, match="no full cycle"):
         find_cycles(Record(time[:42], y[:42], force[:42]))
+
+
+def test_a_random_motion_is_not_told_as_constant():
+    """As of a damper that white noise drives."""
+    y = np.convolve(np.random.default_rng(5).normal(size=459), np.hanning(60), mode="valid") / 5
+    with pytest.raises(UnusableRecord, match=r"^no sine in it: it stays within"):
+        find_cycles(Record(np.arange(len(y)) / 200.0, y, y))

@@ -12,7 +12,7 @@ from pipeclamp_identification.metrics_only.campaign import MetricCampaign, Metri
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.diagnosis_answer import metric_diagnosis_answer
 from pipeclamp_identification.metrics_only.law import MetricComparison, identify_metrics, metric_law_file
-from pipeclamp_identification.metrics_only.observations import loop_energies
+from pipeclamp_identification.metrics_only.observations import as_seen_at_few, loop_energies
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_identification.metrics_only.verdict import diagnose_metrics
 from pipeclamp_identification.workflow.auto import add_until_settled
@@ -137,3 +137,14 @@ def test_a_law_without_energy_has_no_slopes_beyond_all_numbers():
     nothing = {**SOFT, "k10": 0.0, "c0": 0.0}
     result = fit(Structure("power", frozen=tuple(nothing.items())), observations.as_shares())
     assert not np.isinf(observations.residual_slopes(result.law_force, np.arange(3))).any()
+
+
+def test_few_points_of_the_cycle_show_what_many_do_as_a_law_has_it():
+    many, few = (metric_observations(metrics(("memory",), {"k_s": 60.0, "z_s": 0.3}), samples=n) for n in (256, 32))
+    law = Law(Structure("power", ("memory",)), {**SOFT, "k_s": 60.0, "z_s": 0.3}, 0.0126, 0.002)
+    plain = few.logs(force_of_law(law, few.motion).force) - many.logs(force_of_law(law, many.motion).force)
+    assert np.max(np.abs(plain)) > 1e-4, "else nothing is shown"
+    seen = as_seen_at_few(few, many, law)
+    assert seen.logs(force_of_law(law, few.motion).force) == pytest.approx(
+        many.logs(force_of_law(law, many.motion).force), abs=1e-12
+    )

@@ -60,7 +60,8 @@ def quantity_of(channel: Channel) -> str:
         return "temperature"
     for quantity, measured in AMPLITUDES.items():
         if fits(quantity, unit) and not words & STATIC and not name.endswith("0"):
-            called = rank(measured, channel) > 2 or words & {*SETTINGS_CALLED["amplitude"]}
+            amplitude = [word for word in words if word.endswith(SETTINGS_CALLED["amplitude"])]
+            called = rank(measured, channel) > 2 or amplitude
             if called or SYMBOLS[quantity] & words:
                 return quantity
     return ""

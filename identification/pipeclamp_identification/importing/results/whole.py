@@ -7,19 +7,20 @@ import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pipeclamp_identification.campaign.description import FILE_NAME as DESCRIPTION
 from pipeclamp_identification.campaign.description import description_text
 from pipeclamp_identification.campaign.runs_table import FILE_NAME
+from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found, ImportAnswer, ImportedRunAnswer
 from pipeclamp_identification.importing.columns import listed
-from pipeclamp_identification.importing.conditions import Settings, guessed_pattern, name_in
+from pipeclamp_identification.importing.conditions import Settings, guessed_pattern, name_in, settings_of
 from pipeclamp_identification.importing.mapping import where_of
 from pipeclamp_identification.importing.reading import SourceFile, files_in, read_file, stem_of
 from pipeclamp_identification.importing.results.recognised import frequency_of_results
 from pipeclamp_identification.importing.results.rows import LOSS, STORAGE, ResultRow, left_out_words, result_rows
 from pipeclamp_identification.importing.stated import Options
+from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import ResultsFileError, UnusableFileError
 from pipeclamp_identification.importing.whole import import_whole
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -31,6 +32,10 @@ FIRST = ("run", "amplitude_mm", "frequency_Hz", "temperature_C")
 DIGITS = 6
 WEAK = 0.01
 """Share of the largest force amplitude below which that of a test is told."""
+
+
+Row = dict[str, float | str]
+"""Cells of runs.csv by column."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,7 @@ class FoundResults:
     folder: Path
     name: str
     columns: dict[str, dict[str, str]]
-    rows: tuple[dict[str, float | str], ...]
+    rows: tuple[Row, ...]
     sources: tuple[str, ...]
     pattern: str
     remarks: tuple[str, ...]
@@ -81,17 +86,32 @@ class FoundResults:
         )  # fmt: skip
 
 
-def import_any(paths: Sequence[Path], folder: Path, options: Options, **how: Any) -> Found | FoundResults:
-    """Import files, of records as `import_whole` does, whose further arguments it takes; or of results.
+def import_any(
+    paths: Sequence[Path],
+    folder: Path,
+    options: Options,
+    *,
+    page: Callable[[Found], str],
+    confirm: Callable[[Found], bool] | None = None,
+    dry_run: bool = False,
+    name: str = "",
+    notes: str = "",
+    software: str = "",
+    format: Format = "parquet",
+    progress: Callable[[str], None] | None = None,
+) -> Found | FoundResults:
+    """Import files: of records, as `import_whole` does, whose arguments these are; or of results.
 
     Raises:
         UserError: a file, or what the campaign would be, can't serve.
     """
     try:
-        return import_whole(paths, folder, options, **how)
+        return import_whole(
+            paths, folder, options, page=page, confirm=confirm, dry_run=dry_run, name=name, notes=notes,
+            software=software, format=format, progress=progress,
+        )  # fmt: skip
     except ResultsFileError:
-        taken = {name: how[name] for name in ("dry_run", "name", "notes", "progress") if name in how}
-        return import_results(paths, folder, options, **taken)
+        return import_results(paths, folder, options, dry_run=dry_run, name=name, notes=notes, progress=progress)
 
 
 def import_results(
@@ -123,26 +143,29 @@ def import_results(
             "once"
         )
     refuse_folder(folder)
-    files = files_in(paths)
-    rows: list[dict[str, float | str]] = []
-    sources: list[str] = []
-    columns: dict[str, dict[str, str]] = {}
-    forces: list[float] = []
-    remarks: dict[str, list[str]] = {}
-    for path in files:
-        source = read_file(path)
+    taken: list[_TakenResults] = []
+    for path in files_in(paths):
         if progress:
-            progress(source.name)
-        for words in _take(source, options, rows, sources, columns, forces):
-            remarks.setdefault(words, []).append(source.name)
-    told = [f"{listed(names, most=1)}: {words}" for words, names in remarks.items()]
-    told += _weak_words(forces)
+            progress(file_name(path))
+        taken.append(_taken(read_file(path), options))
+    rows = [row for one in taken for row in one.rows]
+    alike: dict[str, list[str]] = {}
+    for one in taken:
+        for words in one.told:
+            alike.setdefault(words, []).append(one.file)
+    told = [f"{listed(names, most=1)}: {words}" for words, names in alike.items()]
     if not rows:
         raise UserError("\n  ".join(["no row of results can be used", *told]))
-    unknown = sum("temperature_C" not in row for row in rows)
-    pattern = guessed_pattern([stem_of(path) for path in files]) if unknown and not options.pattern else ""
+    unknown = any("temperature_C" not in row for row in rows)
     found = FoundResults(
-        folder, name or folder.resolve().name, columns, tuple(rows), tuple(sources), pattern, tuple(told), not dry_run
+        folder=folder,
+        name=name or file_name(folder.resolve()),
+        columns={one.file: one.columns for one in taken},
+        rows=tuple(rows),
+        sources=tuple(one.file for one in taken for _ in one.rows),
+        pattern=guessed_pattern([one.stem for one in taken]) if unknown and not options.pattern else "",
+        remarks=(*told, *_weak_words([force for one in taken for force in one.forces])),
+        written=not dry_run,
     )
     if not dry_run:
         table = (FILE_NAME, _table(rows).encode())
@@ -150,32 +173,33 @@ def import_results(
     return found
 
 
-def _take(
-    source: SourceFile,
-    options: Options,
-    rows: list[dict[str, float | str]],
-    sources: list[str],
-    columns: dict[str, dict[str, str]],
-    forces: list[float],
-) -> list[str]:
-    """Take a file's results, and give what is to be told of it.
+@dataclass(frozen=True)
+class _TakenResults:
+    """A file of results: its name and stem, its columns, rows of runs.csv, amplitudes of force, and what is told."""
+
+    file: str
+    stem: str
+    columns: dict[str, str]
+    rows: tuple[Row, ...]
+    forces: tuple[float, ...]
+    told: tuple[str, ...]
+
+
+def _taken(source: SourceFile, options: Options) -> _TakenResults:
+    """Take a file's results.
 
     Raises:
         UnusableFileError: it can't serve.
     """
-    told: list[str] = []
     tables = [table for table in source.tables if frequency_of_results(table)]
     if not tables:
         raise UnusableFileError(str(source.path), "holds no results, as the other files do")
     stem = stem_of(source.path)
-    names = (stem, source.name)
-    settings: Settings = dict(options.conditions.get(name_in(options.conditions, names), {}))
-    if options.pattern:
-        own = options.pattern.settings(stem)
-        if own is None:
-            raise UserError(f"{source.path}: its name doesn't follow --pattern {options.pattern.text!r}")
-        settings = own | settings
-    settings = {column: value for column, value in settings.items() if column not in ("run", "file")}
+    settings = _settings(source, stem, options)
+    columns: dict[str, str] = {}
+    rows: list[Row] = []
+    forces: list[float] = []
+    told: list[str] = []
     for table in tables:
         try:
             found = result_rows(table, options.columns, tuple(settings))
@@ -183,18 +207,27 @@ def _take(
             raise
         except UserError as error:
             raise UnusableFileError(where_of(source, table), str(error)) from error
-        columns.setdefault(source.name, {}).update(
-            {one.quantity: f"{one.channel.heading} {one.conversion.words()}" for one in found.columns}
-        )
+        columns |= {one.quantity: f"{one.channel.heading} {one.conversion.words()}" for one in found.columns}
         told += [*found.notes, *left_out_words(found.left_out, table.length)]
         if found.unused:
             told.append(f"not used: {listed([*map(repr, found.unused)])}")
-        own_stem = f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem
-        for place, row in enumerate(found.rows, 1):
-            rows.append(_cells(f"{own_stem}_{place:0{len(str(table.length))}d}", row, settings))
-            sources.append(source.name)
-            forces += [] if row.force is None else [row.force]
-    return told
+        own = f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem
+        digits = len(str(table.length))
+        rows += [_cells(f"{own}_{place:0{digits}d}", row, settings) for place, row in enumerate(found.rows, 1)]
+        forces += [row.force for row in found.rows if row.force is not None]
+    return _TakenResults(source.name, stem, columns, tuple(rows), tuple(forces), tuple(told))
+
+
+def _settings(source: SourceFile, stem: str, options: Options) -> Settings:
+    """Give what the file's name and the table of conditions state of its tests.
+
+    Raises:
+        UserError: its name doesn't follow the pattern.
+    """
+    stated = settings_of(source.path, (stem,), options.pattern) | options.conditions.get(
+        name_in(options.conditions, (stem, source.name)), {}
+    )
+    return {column: value for column, value in stated.items() if column not in ("run", "file")}
 
 
 def _weak_words(forces: Sequence[float]) -> list[str]:
@@ -210,14 +243,14 @@ def _weak_words(forces: Sequence[float]) -> list[str]:
     ]
 
 
-def _cells(run: str, row: ResultRow, settings: Settings) -> dict[str, float | str]:
+def _cells(run: str, row: ResultRow, settings: Settings) -> Row:
     measured = {name: _digits(value) for name, value in row.settings.items()}
     return {
         "run": run, **measured, **settings, STORAGE: _digits(row.storage_N_mm), LOSS: _digits(row.loss_N_mm)
     }  # fmt: skip
 
 
-def _table(rows: Sequence[dict[str, float | str]]) -> str:
+def _table(rows: Sequence[Row]) -> str:
     """Give runs.csv."""
     names = dict.fromkeys(name for row in rows for name in row)
     header = [*(name for name in FIRST if name in names), *(name for name in names if name not in FIRST)]
@@ -228,7 +261,7 @@ def _table(rows: Sequence[dict[str, float | str]]) -> str:
     return stream.getvalue()
 
 
-def _number(row: dict[str, float | str], column: str) -> float | None:
+def _number(row: Row, column: str) -> float | None:
     value = row.get(column)
     return value if isinstance(value, float) else None
 

@@ -51,6 +51,9 @@ RIDING = 0.1
 """Share of the amplitude by which the middle of cycles that ride on a larger motion moves from one to the next.
 That of the cycles which a next test asks for, a quarter of the large one's amplitude at 7 times its frequency, moves by
 1.5 times it and more."""
+WITHOUT_ORDER = 0.4
+"""Change of a half cycle's way to the next one's, as a logarithm and in the median, from which on a motion is no
+program: noise of several bands changes it by 0.44 to 1.3, a program whose each cycle is half as large again by 0.22."""
 CREEPS = 0.5
 """Levels that change by more than this share of `SAME_LEVEL` from end to end creep."""
 GOES_ON = 3.0
@@ -156,6 +159,16 @@ def unsteady(y: Array, steady: slice, cycles: int) -> str:
         f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm): {cycles} of some "
         f"{moving * cycles / used:.0f} cycles {are}"
     )
+
+
+def irregular(y: Array) -> str:
+    """Say that half cycles of a run follow each other without order, as where noise drives it; "" where they don't."""
+    ranges = np.abs(np.diff(y[turns_of(y)]))
+    ranges = ranges[ranges > 0]
+    if len(ranges) < FEWEST_TURNS or np.median(np.abs(np.diff(np.log(ranges)))) < WITHOUT_ORDER:
+        return ""
+    least, most = np.quantile(ranges, (0.1, 0.9)) / 2
+    return f"half cycles of {least:.3g} to {most:.3g} mm follow each other without order"
 
 
 def levels(time: Array, y: Array) -> Cut:

@@ -52,6 +52,8 @@ MOST_UNITS = 0.5
 """Share of a row's cells above which, as known units, they make it one of units."""
 NEEDED = {"time", "displacement", "force"}
 OTHER_COLUMNS = "other columns or units from line {} on; expected one order of columns in a file, and one unit of each"
+NUMBERS_ALONE = ("1", "%")
+ANGLES = ("rad", "deg", "°")
 NAME_LETTERS = ("t", "x", "y", "F", "T", "f")
 """Letters that name columns, though they are units of something, too: tonnes, farads, teslas."""
 
@@ -352,7 +354,9 @@ def _bare(cell: str) -> str:
 
 
 def _are_units(row: Sequence[str]) -> bool:
-    """Tell whether a row's cells are units, not all dashes: all of them; or most, some of ours among them.
+    """Tell whether a row's cells are units, not all dashes: all of them; or most, two of ours or one twice among them.
+
+    Names differ from each other, as Pa and Pa don't.
 
     A row with one that nobody knows is still one: which unit that is must be asked, not which column.
     """
@@ -360,7 +364,10 @@ def _are_units(row: Sequence[str]) -> bool:
     known = sum(_is_plain_unit(_bare(cell)) for cell in filled)
     if known == len(filled) or not known:
         return bool(known)
-    return all(map(BRACKETED.fullmatch, filled)) or (known > MOST_UNITS * len(filled) and _are_ours(row))
+    if all(map(BRACKETED.fullmatch, filled)):
+        return True
+    measured = [cell for cell in filled if cell not in NUMBERS_ALONE and _is_plain_unit(_bare(cell))]
+    return known > MOST_UNITS * len(filled) and (_are_ours(row) or len(set(measured)) < len(measured))
 
 
 def _are_ours(row: Sequence[str]) -> bool:
@@ -385,12 +392,11 @@ def is_other_header(row: Sequence[str], names: Sequence[str], units: Sequence[st
 def _is_plain_unit(cell: str) -> bool:
     """Tell whether a cell is a unit and nothing more: "kN", not "Load [kN]", nor the letter that a column is called.
 
-    "N/mm" and "mm/s" are; of "s/mm" nobody knows whether it is a displacement.
+    "N/mm", "mm/s" and "rad/s" are; of "s/mm" nobody knows whether it is a displacement.
     """
     name, own = unit_in_name(cell)
-    return (
-        cell not in NAME_LETTERS and is_unit(cell) and (not own or quantity_of_unit(name) in ("displacement", "force"))
-    )
+    compound = not own or name in ANGLES or quantity_of_unit(name) in ("displacement", "force")
+    return cell not in NAME_LETTERS and compound and is_unit(cell)
 
 
 def _unique(names: Sequence[str]) -> tuple[str, ...]:
