@@ -8,12 +8,10 @@ from math import pi, sqrt
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.symbols import REFERENCES, T_0
 from pipeclamp_system.fmus.participant import FmuParticipant, opened
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 
 from pipeclamp.pages.page import Section, styled, write_report
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_pipe
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of
@@ -34,8 +34,6 @@ from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.excitation import excitation_signal
 from pipeclamp_system.description.system import read_system
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
-
-Array = NDArray[np.float64]
 
 LAW = "emwm2"
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)

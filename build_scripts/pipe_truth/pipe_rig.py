@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from pipeclamp_identification.on_pipe.measurement import FILE_NAME, UNITS, Unit
+from pipeclamp_identification.on_pipe.measurement import FILE_NAME, MOTION_UNITS, Unit
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_models.pipe.description import PipeDescription, Place, read_pipe
 from pipeclamp_models.pipe.modes import reduce
@@ -185,7 +185,7 @@ def response(system: Path, pipe: PipeDescription, sensors: tuple[Sensor, ...], s
     moved = lines.mean(axis=1) / -1j
     seen = []
     for sensor, displacement in zip(sensors, moved, strict=True):
-        order, scale = UNITS[sensor.unit]
+        order, scale = MOTION_UNITS[sensor.unit]
         # The base's acceleration is drive sin(omega t), its displacement the opposite over omega^2.
         base = -sine.drive / omega**2 if order == 2 and pipe.excitation.kind == "base" else 0.0
         seen.append((displacement + base) * (1j * omega) ** order / scale)

@@ -15,7 +15,7 @@ import numpy as np
 import polars as pl
 from pipe_rig import Sensor
 
-from pipeclamp_identification.on_pipe.measurement import UNITS
+from pipeclamp_identification.on_pipe.measurement import MOTION_UNITS
 from pipeclamp_models.pipe.description import Place, read_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_system.description.system import read_system
@@ -108,7 +108,7 @@ def measure_motions(
         exact = np.array([drive(t) for t in time])
         table = {"time_s": time, "acceleration_m_s2" if base else "force_N": _noisy(exact, DRIVE_NOISE * noise, rng)}
         for index, sensor in enumerate(sensors):
-            order, scale = UNITS[sensor.unit]
+            order, scale = MOTION_UNITS[sensor.unit]
             values = moved[order][:, index] + (exact if base and order == 2 else 0.0)
             table[sensor.name] = sensor.gain * _noisy(values, noise, rng) / scale
         name = f"{motion.kind}_{number}.csv"

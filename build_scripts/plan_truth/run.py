@@ -21,7 +21,7 @@ import polars as pl
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
-from pipeclamp_identification.campaign.rig import PlannedRun, TestPlan, planned, virtual_runs
+from pipeclamp_identification.campaign.rig import RigRun, TestPlan, planned, virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.planning.campaign import CampaignPlan, PlanRequest, plan_campaign
@@ -38,7 +38,7 @@ def case(plan: CampaignPlan, effect: str, newtons: float, seed: int) -> tuple[st
     """Hide an effect of so many N rms, and give the verdict and the effects that it names."""
     law = law_of_size(open_law(LAW), effect, newtons, plan.power.scene.grid)
     runs = [
-        PlannedRun(run.run, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.first_cycle) for run in plan.runs
+        RigRun(run.run, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.first_cycle) for run in plan.runs
     ]
     rig = TestPlan(cycles=FULL_CYCLES, ramp_cycles=RAMP_CYCLES, force_noise=plan.asked.noise_N, seed=seed)
     with tempfile.TemporaryDirectory(prefix="pipeclamp_plan_") as name:

@@ -14,7 +14,7 @@ from markdown import MarkdownDirective, table
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-from pipeclamp.show.effects import PARTS, parameter_table, symbol_table
+from pipeclamp.show.effects import PART_WORDS, parameter_table, symbol_table
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import listed
@@ -74,7 +74,7 @@ def page(effect: Effect, picture: str, times: int) -> str:
     alike = ", ".join(_link(name) for name in effect.imitated_by) or "nothing in the catalogue"
     lines = [
         f"# {effect.id}", "",
-        f"{_sentence(effect.does)}. {part} {PARTS[effect.part]}.", "",
+        f"{_sentence(effect.does)}. {part} {PART_WORDS[effect.part]}.", "",
         *_equations(effect),
         "## Loop with and without it", "",
         f"```{{figure}} {picture}", ":alt: Three loops of a clamp, each with and without the effect",

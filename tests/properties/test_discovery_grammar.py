@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, MOST_STARTS, RATE, STRENGTH, terms
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, MOST_TERM_STARTS, RATE, STRENGTH, terms
 from pipeclamp_identification.discovery.proposal import toml_of
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.declaration import Declaration
@@ -58,7 +58,7 @@ def test_a_term_that_follows_a_condition_is_screened_with_its_strength_rising_an
         for term in TERMS
     ]
     assert {len(set(start)) for starts in following for start in starts} == {2}
-    assert max(len(one.start) for term in TERMS for one in term.declaration.parameters) <= MOST_STARTS
+    assert max(len(one.start) for term in TERMS for one in term.declaration.parameters) <= MOST_TERM_STARTS
 
 
 @pytest.mark.parametrize("family", ["spring", "damper", "element", "factor"])

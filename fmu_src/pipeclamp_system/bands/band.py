@@ -10,9 +10,9 @@ from scipy.special import ndtr, ndtri
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError
-from pipeclamp_system.bands.quantities import KINDS, Unknown
+from pipeclamp_system.bands.quantities import KIND_WORDS, Unknown
 
-WIDEST = 99.9
+HIGHEST_LEVEL = 99.9
 """Per cent that a band holds at most: beyond, what is known of the tails is too little."""
 NAMED_SHARE = 0.01
 """Share of a band's variance from which on its origin is named."""
@@ -26,8 +26,8 @@ def steps_of(per_cent: float) -> float:
     Raises:
         UsageError: it isn't a share that a band can hold.
     """
-    if not 1.0 <= per_cent <= WIDEST:
-        raise UsageError(f"--bands: got {per_cent:g}; expected a number from 1 to {WIDEST:g}, such as 95")
+    if not 1.0 <= per_cent <= HIGHEST_LEVEL:
+        raise UsageError(f"--bands: got {per_cent:g}; expected a number from 1 to {HIGHEST_LEVEL:g}, such as 95")
     return float(ndtri(0.5 + per_cent / 200))
 
 
@@ -77,7 +77,7 @@ def band_of(
     parts = by_quantity * (unknown.covariance @ by_quantity)
     variance = float(parts.sum()) + solution**2
     whole = variance if variance > 0 else 1.0
-    shares: dict[str, float] = {str(kind): float(parts[unknown.of_kind(kind)].sum()) / whole for kind in KINDS}
+    shares: dict[str, float] = {str(kind): float(parts[unknown.of_kind(kind)].sum()) / whole for kind in KIND_WORDS}
     shares["solution"] += solution**2 / whole
     largest = np.argsort(-np.abs(parts))[:LEADING]
     deviation = float(np.sqrt(variance))
@@ -108,7 +108,7 @@ def ends_words(band: Band, unit: str, per_cent: float) -> str:
 
 def origin_words(name: str, band: Band) -> list[str]:
     """Say what a band comes from, and what would narrow it."""
-    named = {str(kind): words for kind, words in KINDS.items()}
+    named = {str(kind): words for kind, words in KIND_WORDS.items()}
     shares = sorted(band.shares.items(), key=lambda item: -item[1])
     parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= NAMED_SHARE]
     if not parts:

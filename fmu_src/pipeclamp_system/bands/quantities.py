@@ -15,7 +15,7 @@ from pipeclamp_models.law.file import Shares
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 
 UnknownKind = Literal["parameters", "runs", "form", "solution"]
-KINDS: Mapping[UnknownKind, str] = {
+KIND_WORDS: Mapping[UnknownKind, str] = {
     "parameters": "the law's parameters",
     "runs": "scatter from run to run",
     "form": "what the law leaves over on left-out tests",

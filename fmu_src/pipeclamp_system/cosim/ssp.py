@@ -18,7 +18,7 @@ from pipeclamp_system.fmus.variables import find_variables, read_model_descripti
 
 PIPE, EXCITATION = "pipe", "excitation"
 FLANGE = ("flange.s", "flange.v", "flange.f")
-UNITS = {"base": "m/s2", "force": "N"}
+EXCITATION_UNITS = {"base": "m/s2", "force": "N"}
 
 MOST_EXCITATION_SAMPLES = 200_000
 """Of the excitation, one a step, in its FMU."""
@@ -54,7 +54,7 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = lam
         signal = excitation_signal(description.excitation, coupled.kind, run.stop_s, folder, str(path))
         values = [signal(min(index * run.even_step_s, run.stop_s)) for index in range(run.steps + 1)]
         excitation_fmu = Path(scratch) / "excitation.fmu"
-        build.excitation(Samples(run.even_step_s, values, UNITS[coupled.kind]), excitation_fmu)
+        build.excitation(Samples(run.even_step_s, values, EXCITATION_UNITS[coupled.kind]), excitation_fmu)
         connections: list[tuple[Port, Port]] = [((EXCITATION, "signal"), (PIPE, pipe[coupled.excitation].name))]
         components = [Component(EXCITATION, excitation_fmu, {}), Component(PIPE, pipe_fmu, {})]
         for source in description.clamps:

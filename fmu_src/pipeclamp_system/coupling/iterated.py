@@ -31,7 +31,7 @@ STEPPING_FORCE_SHARE = 0.01
 SLIDES = 0.1
 """Share of the step within which a force is still that of sliding."""
 
-ENDS = 1e-6
+END_SHARE = 1e-6
 """Share of a macro step to which the instant is found; nearer to its end than that it counts as the end."""
 
 SUDDEN, SHORT = 1e-5, 0.05
@@ -110,13 +110,13 @@ class Iteration:
         """
         passed: list[Point] = []
         point, end = start, time + h
-        while end - time > ENDS * h or not passed:
+        while end - time > END_SHARE * h or not passed:
             left = end - time
             length = min(left, h / HELD_PARTS) if self._held else left
-            reached = self._reached(point, time, left if left - length < ENDS * h else length, h, len(passed))
+            reached = self._reached(point, time, left if left - length < END_SHARE * h else length, h, len(passed))
             passed += reached
             point, time = reached[-1], reached[-1].time
-            if end - time > ENDS * h:
+            if end - time > END_SHARE * h:
                 self._predictor.accept(point)
         trials = sum(point.trials for point in passed)
         return replace(passed.pop(), index=start.index + 1, time=end, trials=trials, passed=tuple(passed))
@@ -265,8 +265,8 @@ class Iteration:
 
         if left(0.0) <= 0 or left(1.0) >= 0:
             return None
-        share = float(brentq(left, 0.0, 1.0, xtol=ENDS, rtol=ENDS))
-        if share >= 1 - ENDS:
+        share = float(brentq(left, 0.0, 1.0, xtol=END_SHARE, rtol=END_SHARE))
+        if share >= 1 - END_SHARE:
             return None
         left(share)
         return replace(at, trials=trials)

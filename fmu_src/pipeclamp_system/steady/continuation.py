@@ -95,7 +95,7 @@ CROSSING_STEPS = (0.02, 0.05, 0.1)
 shares of the unknowns' size: the first at which it is found."""
 
 PASSING_HALVINGS = 30
-BESIDE, SAME_UNKNOWNS_SHARE = 0.25, 1e-4
+BESIDE_SHARE, SAME_UNKNOWNS_SHARE = 0.25, 1e-4
 """Where a path passes a parameter: how often it is halved, how far from the straight line between two of its points it
 is looked for, as a share of their distance, and what difference is none, as a share of the unknowns' size."""
 
@@ -174,7 +174,7 @@ def between(equation: Equation, before: Solution, after: Solution, parameter: fl
         one, other = ends
         span, chord = other.parameter - one.parameter, other.unknowns - one.unknowns
         largest = float(np.abs([one.unknowns, other.unknowns]).max())
-        near = BESIDE * float(np.abs(chord).max()) + SAME_UNKNOWNS_SHARE * largest
+        near = BESIDE_SHARE * float(np.abs(chord).max()) + SAME_UNKNOWNS_SHARE * largest
         guess = one.unknowns + (parameter - one.parameter) / span * chord
         # Where forces step, corrections can run away from the line and come home from an end of it.
         for start in (guess, one.unknowns, other.unknowns):

@@ -22,7 +22,7 @@ from pipeclamp_system.steady.harmonics import TRUNCATED, packed
 from pipeclamp_system.steady.start import grown, with_sides
 from pipeclamp_system.steady.states import SteadyState
 
-HIGHEST = 4.0
+HIGHEST_LEVEL = 4.0
 """Levels up to which, of the one that is asked for, the excitation is raised."""
 
 FREQUENCIES_SOUGHT = 12
@@ -153,7 +153,7 @@ def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array])
 def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator[Array]:
     """Give the states of a frequency (Hz) to which a higher or a lower level leads from one of them."""
     size = float(system.sizes(unknowns[None])[0])
-    for end in (HIGHEST, 0.0):
+    for end in (HIGHEST_LEVEL, 0.0):
         *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, PATH_STEPS)
         back = with_sides(system, there.unknowns, frequency) if there.parameter == 1.0 else None
         if back is not None and not _same(system, back, unknowns):

@@ -41,7 +41,7 @@ LATELY = 5
 TELLING_SHARE = 1e-9
 """Share of a motion's rms below which the change from cycle to cycle tells no rate any more."""
 
-HOPELESS, LOOKED_BACK = 150, 40
+HOPELESS_CYCLES, LOOKED_BACK = 150, 40
 """Cycles after which a march ends whose changes don't die out fast enough; they are held against those so many cycles
 before."""
 
@@ -194,7 +194,11 @@ class InTime:
                 changes.append(_change(kept[-1], kept[-2]))
             if cycle >= FEWEST_CYCLES_MARCHED and _missing(changes) <= REPEATING_SHARE:
                 return self._told(frequency, 1, cycle, changes, kept[-1:], forces, now)
-            if cycle % LOOKED_BACK == 0 and cycle >= HOPELESS and _too_slow(changes, MOST_CYCLES_MARCHED - cycle):
+            if (
+                cycle % LOOKED_BACK == 0
+                and cycle >= HOPELESS_CYCLES
+                and _too_slow(changes, MOST_CYCLES_MARCHED - cycle)
+            ):
                 break
         return self._told(frequency, _round(kept), cycle, changes, kept, forces, now)
 

@@ -1,4 +1,4 @@
-"""The command line as a whole: its commands, and how a mistake ends one; nothing is computed here.
+"""The command line as a whole: its commands, and how a mistake ends one.
 
 What a command needs is imported inside it, so that `--help` and light commands start fast.
 """

@@ -1,4 +1,4 @@
-"""The command line's part for making tests: a virtual rig's, and several in one; nothing is computed here."""
+"""The command line's part for making tests: a virtual rig's, and several in one."""
 
 from __future__ import annotations
 

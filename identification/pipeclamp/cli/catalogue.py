@@ -1,4 +1,4 @@
-"""The command line's part for what the program knows by itself: effects and schemas; nothing is computed here."""
+"""The command line's part for what the program knows by itself: effects and schemas."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pipeclamp_models.base.files import write_whole
 
 app = typer.Typer()
 
-WIDTH = 80
+TERMINAL_WIDTH = 80
 """Columns that every terminal has."""
 
 
@@ -38,17 +38,17 @@ def effects(
         catalogue = [*listed(), *own.values()]
         if json:
             write_whole(json, catalogue_answer(catalogue).json_text())
-        print_table(shown.overview(catalogue), WIDTH)
+        print_table(shown.overview(catalogue), TERMINAL_WIDTH)
         put("One whole, with its equation, units, sizes and source: pipeclamp effects EFFECT")
         return
     one = find_effect(showable(names[0]), own)
     if json:
         write_whole(json, catalogue_answer([one]).json_text())
-    for line in (shown.headline(one), shown.PARTS[one.part], "", "Equation", *shown.equation_words(one), ""):
+    for line in (shown.headline(one), shown.PART_WORDS[one.part], "", "Equation", *shown.equation_words(one), ""):
         put(line)
     symbols = shown.symbol_table(one)
     for table in (shown.parameter_table(one, reference_sizes([one])), *([symbols] if symbols.rows else [])):
-        print_table(table, WIDTH)
+        print_table(table, TERMINAL_WIDTH)
     put(f"Bounds and typical sizes are those for the bundled clamp {TYPICAL_LAW}.")
     for line in shown.about_lines(one):
         put(line)

@@ -1,4 +1,4 @@
-"""The command line's part for the discovery of terms; nothing is computed here."""
+"""The command line's part for the discovery of terms."""
 
 from __future__ import annotations
 

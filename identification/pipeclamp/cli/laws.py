@@ -1,4 +1,4 @@
-"""The command line's part for laws and their tests: fit, compare, diagnose, change; nothing is computed here."""
+"""The command line's part for laws and their tests: fit, compare, diagnose, change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line's part for what was measured on a pipe; nothing is computed here."""
+"""The command line's part for what was measured on a pipe."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line's part for planning tests; nothing is computed here."""
+"""The command line's part for planning tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line's part for simulation: FMUs, pipes, coupled systems; nothing is computed here."""
+"""The command line's part for simulation: FMUs, pipes, coupled systems."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line's part for the studio; nothing is computed here."""
+"""The command line's part for the studio."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 MOST_BARS = 12
 MOST_TRACES = 8
-KINDS = {"bar": "bars", "heatmap": "map", "contour": "contours", "scatter": "line"}
+TRACE_KINDS = {"bar": "bars", "heatmap": "map", "contour": "contours", "scatter": "line"}
 
 
 def words_of(figure: go.Figure) -> str:
@@ -23,7 +23,7 @@ def words_of(figure: go.Figure) -> str:
 
 def _trace_words(figure: go.Figure, trace: Any) -> str:
     values = trace.z if trace.type in ("heatmap", "contour") else trace.y
-    kind = "points" if trace.type == "scatter" and "lines" not in (trace.mode or "lines") else KINDS[trace.type]
+    kind = "points" if trace.type == "scatter" and "lines" not in (trace.mode or "lines") else TRACE_KINDS[trace.type]
     axis = _axis(figure, trace.yaxis, "yaxis")
     name = f"{_plain(trace.name)}, {kind}" if trace.name else kind
     if trace.type == "bar" and values is not None and len(values) <= MOST_BARS:

@@ -30,7 +30,7 @@ GLANCE = 12
 """Loops that tell at a glance whether channels and units are right."""
 GLANCE_PER_ROW = 3
 """Of them beside each other in the studio's column."""
-LONGEST_NAME = 24
+LONGEST_NAME_SHOWN = 24
 """Characters of a run's name above its loop."""
 MOST_OVERVIEWS, MOST_LABELS = 40, 24
 FINEST = 600
@@ -103,7 +103,7 @@ def first_look(found: Found) -> dict[str, str] | None:
 
 
 def _panel(loop: ShownLoop) -> LoopPanel:
-    name = loop.run if len(loop.run) <= LONGEST_NAME else f"{loop.run[:LONGEST_NAME]}…"
+    name = loop.run if len(loop.run) <= LONGEST_NAME_SHOWN else f"{loop.run[:LONGEST_NAME_SHOWN]}…"
     return LoopPanel(f"{name} ({loop.cycles} cycles)", loop.displacement, loop.force, None)
 
 

@@ -23,7 +23,7 @@ LEAST_PANEL_WIDTH = 230
 FEW = 12
 LIGHT_BLUES = sample_colorscale("Blues", np.linspace(0.0, 0.6, 7).tolist())
 """Light enough for dark numbers in the cells, six to one at least, also where the page is dark."""
-BESIDE = "published "
+PUBLISHED_BESIDE = "published "
 MOST_OF_HISTORY = 4000
 """Points of a curve over time that are drawn at most."""
 
@@ -126,13 +126,13 @@ def curves_picture(
 
     A curve named "published ..." gets the colour of the one without that word, and open markers.
     """
-    named = list(dict.fromkeys(name.removeprefix(BESIDE) for name, *_ in curves))
+    named = list(dict.fromkeys(name.removeprefix(PUBLISHED_BESIDE) for name, *_ in curves))
     figure = go.Figure(
         [
             go.Scatter(
                 x=list(xs), y=list(ys), mode=mode, name=name,
-                marker={"symbol": "circle-open" if name.startswith(BESIDE) else "circle", "size": 8},
-                line={"color": SERIES[named.index(name.removeprefix(BESIDE)) % len(SERIES)]},
+                marker={"symbol": "circle-open" if name.startswith(PUBLISHED_BESIDE) else "circle", "size": 8},
+                line={"color": SERIES[named.index(name.removeprefix(PUBLISHED_BESIDE)) % len(SERIES)]},
             )
             for name, xs, ys, mode in curves
         ]

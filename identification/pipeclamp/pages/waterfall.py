@@ -16,7 +16,7 @@ from pipeclamp_models.law.file import LawFile
 RUNG_WIDTH, WIDEST = 160, 1100
 """px of a rung that holds a label of `LONGEST_LABEL`, and of the picture from which on it is drawn so, however many
 rungs."""
-BESIDE, CHARACTER = 130, 7
+WIDTH_BESIDE, CHARACTER = 130, 7
 """px beside all rungs, and of a character."""
 OF_FORCE, OF_METRICS = "RMS error / % of rms force", "rms log ratio of dW and W / %"
 """What errors of records and of metrics alone are called."""
@@ -89,7 +89,7 @@ def waterfall_picture(rungs: Sequence[RungBars], scatter: float | None, title: s
 
 def _side_by_side(rungs: Sequence[RungBars], scatter: float | None, title: str, axis: str) -> go.Figure:
     names = _names(rungs)
-    longest = min(LONGEST_LABEL, (WIDEST - BESIDE) // (CHARACTER * max(len(rungs), 1)))
+    longest = min(LONGEST_LABEL, (WIDEST - WIDTH_BESIDE) // (CHARACTER * max(len(rungs), 1)))
     labels = [
         "<br>".join(
             [*(part for line in _name(index, rungs) for part in _wrapped(line, longest)), *_did(index, rungs, scatter)]
@@ -115,7 +115,7 @@ def _side_by_side(rungs: Sequence[RungBars], scatter: float | None, title: str, 
         )  # fmt: skip
     figure.update_xaxes(tickangle=0, type="category")
     figure.update_yaxes(title_text=axis, rangemode="tozero")
-    figure = styled(figure, title, least_width=min(BESIDE + RUNG_WIDTH * len(rungs), WIDEST))
+    figure = styled(figure, title, least_width=min(WIDTH_BESIDE + RUNG_WIDTH * len(rungs), WIDEST))
     return figure.update_layout(showlegend=True, margin={"r": 70, "b": 105}, bargap=0.25 if rungs[1:] else 0.75)
 
 

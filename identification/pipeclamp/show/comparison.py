@@ -20,7 +20,7 @@ from pipeclamp_models.base.said import counted
 
 RUNS_PRINTED = 8
 """Runs that a terminal shows, worst first."""
-MEASURED = ("amplitude_mm", "frequency_Hz", "temperature_C")
+SHOWN_BY_VALUE = ("amplitude_mm", "frequency_Hz", "temperature_C")
 """Conditions that are shown with their value in each run, not with their level."""
 _MEAN_TAKEN = "An element never slips, so that the force is known up to a constant, and the measured mean is taken"
 
@@ -59,7 +59,7 @@ def _errs(comparison: Comparison, which: str) -> list[str]:
 def worst_table(comparison: Comparison, most: int | None = None) -> Table:
     """Give the runs as a table, worst first."""
     loops = comparison.loops
-    further = [condition for condition in comparison.varied if condition.key not in MEASURED]
+    further = [condition for condition in comparison.varied if condition.key not in SHOWN_BY_VALUE]
     rows = [
         (
             comparison.runs[row].run,

@@ -42,8 +42,8 @@ def _rungs(ladder: Sequence[Rung]) -> tuple[RungAnswer, ...]:
         RungAnswer(
             effect=rung.change.step.effect if rung.change.step.adds else str(rung.change.step),
             kind=rung.kind,
-            heldout_before=rung.change.heldout[0],
-            heldout_after=rung.change.heldout[1],
+            heldout_before=rung.change.heldout.before,
+            heldout_after=rung.change.heldout.after,
         )
         for rung in ladder
     )

@@ -17,12 +17,12 @@ from pipeclamp_models.realise.sizes import number_of
 if TYPE_CHECKING:
     from pipeclamp_identification.campaign.rig import Truth
 
-PARTS = {
+PART_WORDS = {
     "base": "term of base laws",
     "clamp": "of the clamp: travels into the FMU",
     "rig": "of the rig: corrects the measurement, stays out of the FMU",
 }
-WIDTH = 78
+TEXT_WIDTH = 78
 
 
 def overview(effects: Iterable[Effect]) -> Table:
@@ -63,7 +63,7 @@ def equation_words(effect: Effect) -> list[str]:
         line
         for one in statements
         for line in textwrap.wrap(
-            f"{one.words:<{widest}}  {one.plain}", WIDTH, initial_indent="  ", subsequent_indent=" " * (widest + 4)
+            f"{one.words:<{widest}}  {one.plain}", TEXT_WIDTH, initial_indent="  ", subsequent_indent=" " * (widest + 4)
         )
     ]
 
@@ -83,7 +83,7 @@ def about_lines(effect: Effect) -> list[str]:
     """Give what is said of an effect in words, wrapped, under headings."""
     lines: list[str] = []
     for title, words in about(effect):
-        lines += ["", title, *textwrap.wrap(words, WIDTH, initial_indent="  ", subsequent_indent="  ")]
+        lines += ["", title, *textwrap.wrap(words, TEXT_WIDTH, initial_indent="  ", subsequent_indent="  ")]
     return lines
 
 

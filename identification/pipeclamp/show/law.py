@@ -1,4 +1,4 @@
-"""The report of an identification: the law, its parameters, surfaces and loops."""
+"""A law told: its parameters, and what a change of it did."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep,
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 from pipeclamp_models.law.step import read_step
 
-MOVED = 2.0
+MOVED_STANDARD_ERRORS = 2.0
 """A parameter that changes by more than so many of its standard errors has moved."""
 
 
@@ -149,8 +149,8 @@ def change_table(change: LawChange) -> Table:
     """Give what a change of a law did to the error, and which parameters came, went, or moved beyond doubt."""
     scatter = None if change.noise_nrmse is None else 100 * change.noise_nrmse
     rows: list[Sequence[str | float | None]] = [
-        ("error on the runs used / %", 100 * change.nrmse[0], 100 * change.nrmse[1]),
-        ("error on left-out conditions / %", 100 * change.heldout[0], 100 * change.heldout[1]),
+        ("error on the runs used / %", 100 * change.nrmse.before, 100 * change.nrmse.after),
+        ("error on left-out conditions / %", 100 * change.heldout.before, 100 * change.heldout.after),
         ("scatter that no law explains / %", scatter, scatter),
     ]
     before, after = change.before.coefficients, change.after.coefficients
@@ -165,7 +165,7 @@ def change_table(change: LawChange) -> Table:
         )
         rows.append((f"{name} / {unit}", *values))
     stay = len(names) - len(moved)
-    said = f"; {stay} further parameters stay within {MOVED:g} of their standard errors" if stay else ""
+    said = f"; {stay} further parameters stay within {MOVED_STANDARD_ERRORS:g} of their standard errors" if stay else ""
     return Table(("", "before", str(change.step)), rows, f"What {change.step} did{said}")
 
 
@@ -198,4 +198,4 @@ def _moved(before: CoefficientEntry | None, after: CoefficientEntry | None) -> b
     """Tell whether a parameter is new, gone, or changed by more than its doubt."""
     if before is None or after is None:
         return True
-    return abs(after.value - before.value) > MOVED * (after.standard_error or 0.0)
+    return abs(after.value - before.value) > MOVED_STANDARD_ERRORS * (after.standard_error or 0.0)

@@ -33,7 +33,7 @@ from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 
 HERE = Path(__file__).parent
-MOST_ASKED = 64 * 1024
+MOST_REQUEST_BYTES = 64 * 1024
 """Bytes of a request that is no file."""
 MOST_LAWS = 4
 """Drawn over one loop."""
@@ -55,7 +55,7 @@ Endpoint = Callable[[Request], Response]
 
 def most_bytes(path: str) -> int:
     """Give the size that a request to a path may have."""
-    return uploads.MOST_UPLOAD_BYTES if path.startswith("/uploads/") else MOST_ASKED
+    return uploads.MOST_UPLOAD_BYTES if path.startswith("/uploads/") else MOST_REQUEST_BYTES
 
 
 def application(desk: Desk) -> Starlette:

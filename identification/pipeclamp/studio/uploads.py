@@ -10,18 +10,18 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import WINDOWS_DEVICES
 
 MOST_UPLOAD_BYTES = 512 * 2**20
 """Of one file."""
 MOST_UPLOAD_FILES = 500
 MOST_TOTAL_BYTES = 4 * 2**30
 """Of all files in the studio's folder."""
-LONGEST_NAME = 120
+LONGEST_FILE_NAME = 120
 ABANDONED_s = 86400.0
 """After a day without another file nobody has the page open any more on which files were dropped."""
 BATCH = re.compile(r"[0-9a-f]{16}")
-RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
-"""Names that are devices on Windows."""
+RESERVED = re.compile(rf"(?i)({WINDOWS_DEVICES})(\..*)?")
 
 
 def safe_name(given: str) -> str:
@@ -35,8 +35,8 @@ def safe_name(given: str) -> str:
     if not name.strip("_"):
         raise UserError(f"{given!r}: is no name of a file; expected one such as A0.5_f3_T20.csv")
     stem, dot, suffix = name.rpartition(".")
-    shortened = f"{stem[: LONGEST_NAME - len(suffix) - 1]}{dot}{suffix}" if dot and len(suffix) < 20 else name
-    shortened = shortened[:LONGEST_NAME]
+    shortened = f"{stem[: LONGEST_FILE_NAME - len(suffix) - 1]}{dot}{suffix}" if dot and len(suffix) < 20 else name
+    shortened = shortened[:LONGEST_FILE_NAME]
     return f"_{shortened}" if RESERVED.fullmatch(shortened) else shortened
 
 

@@ -17,7 +17,7 @@ RADIUS = 2.0
 """Of the first step at most, in each parameter's scale."""
 POOR, GOOD = 0.25, 0.75
 """Shares of the promised gain below which steps become shorter, and above which longer ones are allowed."""
-SHORTER, LONGER = 0.25, 2.5
+SHORTER, LENGTHENING = 0.25, 2.5
 SMALLEST_RADIUS = 1e-4
 
 
@@ -98,7 +98,7 @@ def fit_together(
             if gained < POOR * gain:
                 radii[index] = SHORTER * length
             elif gained > GOOD * gain and length > GOOD * radii[index]:
-                radii[index] *= LONGER
+                radii[index] *= LENGTHENING
             if gained > 0:
                 best[index] = found
             if gained > max(tolerance * at.squared, negligible) or (gained <= 0 and radii[index] > SMALLEST_RADIUS):

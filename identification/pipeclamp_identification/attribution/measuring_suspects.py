@@ -10,7 +10,7 @@ from math import degrees, exp, log, pi
 from pipeclamp_identification.attribution.misstated import displacement_search, moved, place_words
 from pipeclamp_identification.attribution.suspect import Side, Suspect, Values
 from pipeclamp_identification.on_pipe.instrument import Instrument, SensorChannel
-from pipeclamp_identification.on_pipe.measurement import UNITS, MeasurementDescription
+from pipeclamp_identification.on_pipe.measurement import MOTION_UNITS, MeasurementDescription
 from pipeclamp_identification.on_pipe.model import CoupledModel
 
 SIDE: Side = "measurement"
@@ -41,7 +41,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         name, words = f"sensor:{probe.name}", f"sensor {probe.name}"
         ratios = {
             f"{unit} recorded, {probe.unit} stated": probe.scale / scale
-            for unit, (order, scale) in UNITS.items()
+            for unit, (order, scale) in MOTION_UNITS.items()
             if order == probe.order and unit != probe.unit
         }
         yield _gain(name, words, partial(_on_sensors, (probe.name,)), ratios)

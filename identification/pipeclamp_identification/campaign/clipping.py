@@ -15,7 +15,7 @@ from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_models.base.arrays import Array, BoolArray
 
 # a plateau shorter than this is no evidence, whatever else
-FEWEST_ALIKE = 4
+FEWEST_ON_A_PLATEAU = 4
 # flat-topped loops stay longer within one quantum of their extreme than a sine does
 FLATTER_THAN_SINE = 3.0
 # friction's plateau lasts half a cycle at most, from one reversal to the next
@@ -34,9 +34,9 @@ ROUNDING_SHARE = 1e-9
 # a range of fewer quanta than this meets the same value twice by chance
 FEWEST_QUANTA = 500
 
-UNITS: Mapping[Channel, str] = {"displacement": "mm", "force": "N"}
+CHANNEL_UNITS: Mapping[Channel, str] = {"displacement": "mm", "force": "N"}
 Column = Literal["displacement_mm", "force_N"]
-COLUMNS: Mapping[Channel, Column] = {"displacement": "displacement_mm", "force": "force_N"}
+CHANNEL_COLUMNS: Mapping[Channel, Column] = {"displacement": "displacement_mm", "force": "force_N"}
 
 
 def check_clipping(record: Record, cycles: Cycles) -> None:
@@ -54,7 +54,7 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
     Raises:
         SensorFailure: with the channel, the value and the length of the plateau.
     """
-    for channel, name in COLUMNS.items():
+    for channel, name in CHANNEL_COLUMNS.items():
         samples = getattr(record, name)[cycles.steady]
         per_cycle = len(samples) / cycles.count
         begin, steps = _longest_row(samples[1:] == samples[:-1])
@@ -62,21 +62,24 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
         if still > LONGER_THAN_FRICTION * per_cycle:
             raise SensorFailure(
                 f"stuck sensor: {name} stands at {value:g} for {still} samples in a row "
-                f"({still / per_cycle:.1f} cycles)", channel, "stuck", value, UNITS[channel],
+                f"({still / per_cycle:.1f} cycles)", channel, "stuck", value, CHANNEL_UNITS[channel],
             )  # fmt: skip
         for extreme in (np.max(samples), np.min(samples)):
             at = samples == extreme
-            if np.count_nonzero(at) < FEWEST_ALIKE:
+            if np.count_nonzero(at) < FEWEST_ON_A_PLATEAU:
                 continue
             first, alike = _longest_row(at)
-            flat = alike >= FEWEST_ALIKE and alike > 2 + FLATTER_THAN_SINE * per_cycle * _quantised_share(samples)
+            flat = alike >= FEWEST_ON_A_PLATEAU and alike > 2 + FLATTER_THAN_SINE * per_cycle * _quantised_share(
+                samples
+            )
             if not (flat or _piles_up(samples, at)) or (
                 channel == "force" and _is_frictions(record, cycles, first + alike)
             ):
                 continue
             raise SensorFailure(
                 f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row "
-                f"({100 * alike / per_cycle:.0f} % of a cycle)", channel, "clipped", float(extreme), UNITS[channel],
+                f"({100 * alike / per_cycle:.0f} % of a cycle)",
+                channel, "clipped", float(extreme), CHANNEL_UNITS[channel],
             )  # fmt: skip
 
 
@@ -124,7 +127,7 @@ class Extremes:
 
 def extremes_of(record: Record, cycles: Cycles, channel: Channel, amplitude: float) -> Extremes:
     """Give how far a channel of a run goes; `amplitude` is that of its fundamental."""
-    samples = getattr(record, COLUMNS[channel])[cycles.steady]
+    samples = getattr(record, CHANNEL_COLUMNS[channel])[cycles.steady]
     low, high = float(np.min(samples)), float(np.max(samples))
     agreeing = samples[1:][samples[1:] == samples[:-1]]
     held = frozenset({low, high}.intersection(agreeing.tolist()))

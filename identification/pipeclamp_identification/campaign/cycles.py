@@ -195,10 +195,8 @@ def _require_vibration(y: Array, frequency: float, rest: float) -> None:
     """Refuse a displacement that is nothing but noise or drift, in which some fundamental is always found."""
     if rest > 0.5:
         size = float(np.ptp(y))
-        wanders = (
-            size > CLEAR_OF_NOISE * sample_noise(y)
-            and len(turning_points(y, np.full(len(y), TURN_BACK_SHARE * size))) > 4
-        )
+        turns = turning_points(y, np.full(len(y), TURN_BACK_SHARE * size))
+        wanders = size > CLEAR_OF_NOISE * sample_noise(y) and len(turns) > 4
         what = "no sine in it" if wanders else "constant displacement but for noise or drift"
         raise UnusableRecord(
             f"{what}: it stays within {size:.3g} mm, and of the sine of "

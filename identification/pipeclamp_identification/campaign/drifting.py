@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import COLUMNS
+from pipeclamp_identification.campaign.clipping import CHANNEL_COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, runs_named
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
@@ -72,6 +72,10 @@ class Change:
     size: float
     error: float
     freedoms: float
+
+    def times(self, scale: float) -> Change:
+        """Give it in another unit, of which a size of one is so much."""
+        return Change(self.size * scale, self.error * scale, self.freedoms)
 
     def is_real(self, runs: int, least: float) -> bool:
         """Tell whether it is at least so large, and no chance among so many runs."""
@@ -333,53 +337,69 @@ def _fault(
         done = "kept"
     place = 0 if channel == "displacement" else 1
     scale = {run.name: run.amplitudes[place] if kind == "zero_drift" else 1.0 for run in runs}
-    sizes = {run: (change.size * scale[run], change.error * scale[run]) for run, change in drifts.items()}
+    sizes = {run: change.times(scale[run]) for run, change in drifts.items()}
     worst = max(drifts, key=lambda run: abs(drifts[run].size))
-    size, error = sizes[worst]
+    size, error = sizes[worst].size, sizes[worst].error
     others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({runs_named(list(drifts))})"
     where = f"in run {worst}, from its first cycle to its last{others}"
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
     shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"
-    if kind == "zero_drift" and done == "kept":
-        words = (
-            f"the zero of the displacement channel drifts, or the mean position does: {shown} {where}; the force "
-            "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
-            "stays while the machine rests"
-        )
-    elif kind == "zero_drift" and channel == "force" and _grows_with_amplitude(sizes, runs):
-        words = (
-            f"the mean force drifts: {shown} {where}; its loop and its position stay, but it drifts more at large "
-            "amplitudes, which no amplifier knows: something in the specimen builds up while it is worked (a pressure, "
-            "heat, creep), which no law here follows; the drift is taken off, and the mean force of these records "
-            "counts for nothing; to do: let it run until the mean stays, then record"
-        )
-    elif kind == "zero_drift":
-        stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
-        words = (
-            f"the zero of the {channel} channel drifts: {shown} {where}; {stays}, so it is no spring or damper of the "
-            "clamp's; the drift is taken off, and the mean force of these records counts for nothing, as nobody knows "
-            "where it stood; to do: let the amplifier warm up and the specimen settle, and set the zero before each run"
-        )
+    if kind == "gain_drift":
+        words = _gain_words(channel, f"by {size:+.2%} (standard error {100 * error:.1g} %) {where}", done)
+    elif done == "kept":
+        words = _zero_or_mean_words(f"{shown} {where}")
+    elif channel == "force" and _grows_with_amplitude(sizes, runs):
+        words = _built_up_words(f"{shown} {where}")
     else:
-        told = (
-            "stiffness and damping change in one ratio, as no effect does to both"
-            if channel == "force"
-            else "the force stays, though it follows the amplitude from run to run"
-        )
-        words = (
-            f"the gain of the {channel} channel drifts: by {size:+.2%} (standard error {100 * error:.1g} %) "
-            f"{where}; {told}; {_done_words(done)}; to do: calibrate it, and repeat these runs"
-        )
+        words = _zero_words(channel, f"{shown} {where}")
     return SensorFault(
         channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,
-        runs=tuple(FaultyRun(run=run, size=one, standard_error=off) for run, (one, off) in sizes.items()),
+        runs=tuple(FaultyRun(run=run, size=one.size, standard_error=one.error) for run, one in sizes.items()),
     )  # fmt: skip
 
 
-def _grows_with_amplitude(sizes: Mapping[str, tuple[float, float]], runs: Sequence[Watched]) -> bool:
+def _zero_or_mean_words(shown: str) -> str:
+    return (
+        f"the zero of the displacement channel drifts, or the mean position does: {shown}; the force "
+        "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
+        "stays while the machine rests"
+    )
+
+
+def _built_up_words(shown: str) -> str:
+    return (
+        f"the mean force drifts: {shown}; its loop and its position stay, but it drifts more at large "
+        "amplitudes, which no amplifier knows: something in the specimen builds up while it is worked (a pressure, "
+        "heat, creep), which no law here follows; the drift is taken off, and the mean force of these records "
+        "counts for nothing; to do: let it run until the mean stays, then record"
+    )
+
+
+def _zero_words(channel: Channel, shown: str) -> str:
+    stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
+    return (
+        f"the zero of the {channel} channel drifts: {shown}; {stays}, so it is no spring or damper of the "
+        "clamp's; the drift is taken off, and the mean force of these records counts for nothing, as nobody knows "
+        "where it stood; to do: let the amplifier warm up and the specimen settle, and set the zero before each run"
+    )
+
+
+def _gain_words(channel: Channel, shown: str, done: Done) -> str:
+    told = (
+        "stiffness and damping change in one ratio, as no effect does to both"
+        if channel == "force"
+        else "the force stays, though it follows the amplitude from run to run"
+    )
+    return (
+        f"the gain of the {channel} channel drifts: {shown}; {told}; {_done_words(done)}; to do: calibrate it, and "
+        "repeat these runs"
+    )
+
+
+def _grows_with_amplitude(sizes: Mapping[str, Change], runs: Sequence[Watched]) -> bool:
     """Tell whether drifts grow with the amplitude of the motion, by a line through their logarithms."""
     amplitude = {run.name: run.amplitudes[0] for run in runs}
-    y = np.log([abs(size) for size, _ in sizes.values()])
+    y = np.log([abs(change.size) for change in sizes.values()])
     x = np.log([amplitude[run] for run in sizes])
     if len(x) < FEWEST_ALIKE or np.ptp(x) < math.log(VARIED):
         return False
@@ -418,5 +438,5 @@ def repaired(record: Record, cycles: Cycles, by_cycle: CycleByCycle, channels: S
 
 def without(record: Record, channel: Channel, drift: Array | float) -> Record:
     """Give a record with a drift taken off one of its channels."""
-    column = COLUMNS[channel]
+    column = CHANNEL_COLUMNS[channel]
     return replace(record, **{column: getattr(record, column) - drift})

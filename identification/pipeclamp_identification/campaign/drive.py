@@ -21,7 +21,7 @@ from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.files import read_content
 from pipeclamp_models.base.tables import pl
 
-COLUMNS: tuple[RecordColumn, ...] = ("time_s", "displacement_mm")
+DRIVE_COLUMNS: tuple[RecordColumn, ...] = ("time_s", "displacement_mm")
 FORMATS = (".csv", ".parquet")
 RAMP_CYCLES = 2
 """In which the motion grows to its full amplitude, and again in which it fades."""
@@ -211,7 +211,7 @@ def drive_content(drive: Drive, path: Path) -> bytes:
         UsageError: the suffix says no format of drive signals.
     """
     refuse_drive_name(path)
-    table = pl.DataFrame({name: getattr(drive, name) for name in COLUMNS})
+    table = pl.DataFrame({name: getattr(drive, name) for name in DRIVE_COLUMNS})
     return encoded(table, "parquet" if path.suffix.lower() == ".parquet" else "csv")
 
 
@@ -224,7 +224,7 @@ def read_drive(path: Path) -> Drive:
     """
     refuse_drive_name(path)
     content = read_content(path, "a drive signal, as `pipeclamp diagnose --drive` writes it")
-    channels = read_channels(path, content, COLUMNS)
+    channels = read_channels(path, content, DRIVE_COLUMNS)
     time, y = channels["time_s"], channels["displacement_mm"]
     for name, values in channels.items():
         bad = np.flatnonzero(~np.isfinite(values))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE, FLATTER_THAN_SINE, UNITS
+from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, FEWEST_ON_A_PLATEAU, FLATTER_THAN_SINE
 from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES_PER_CYCLE, WIDEST_GAP
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.plausibility import Fundamental
@@ -99,7 +99,7 @@ def _check_clipping(record: Record) -> None:
         for extreme in (np.max(samples), np.min(samples)):
             first, last = _longest_plateau(samples == extreme)
             alike = last - first
-            if alike < FEWEST_ALIKE or first < alike or last + alike > len(samples):
+            if alike < FEWEST_ON_A_PLATEAU or first < alike or last + alike > len(samples):
                 continue
             before, after = abs(extreme - samples[first - alike]), abs(extreme - samples[last + alike - 1])
             entered = min(before, after) > FLATTER_THAN_SINE**2 * SMOOTH_TOP * quantum
@@ -107,7 +107,7 @@ def _check_clipping(record: Record) -> None:
                 channel: Channel = "force" if name == "force_N" else "displacement"
                 raise SensorFailure(
                     f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row, from "
-                    f"{record.time_s[first]:g} s on", channel, "clipped", float(extreme), UNITS[channel],
+                    f"{record.time_s[first]:g} s on", channel, "clipped", float(extreme), CHANNEL_UNITS[channel],
                 )  # fmt: skip
 
 

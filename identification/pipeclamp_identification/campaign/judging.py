@@ -49,7 +49,7 @@ class JudgedRuns:
     remarks: tuple[str, ...]
 
 
-def judge(
+def judge_runs(
     folder: Path,
     rows: Sequence[RunRow],
     seen: Mapping[str, SeenRecord | LeftOut],

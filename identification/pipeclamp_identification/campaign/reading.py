@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.description import CampaignDescription, r
 from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault
 from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
-from pipeclamp_identification.campaign.judging import JudgedRuns, judge
+from pipeclamp_identification.campaign.judging import JudgedRuns, judge_runs
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenRecord, seen_free, seen_sine
@@ -147,7 +147,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     looked = in_threads(partial(_looked_at, time_measured=description.time_measured), jobs, size)
     checked = [one for one, _ in looked]
     seen = {row.run: one for row, (_, one) in zip(table.rows, looked, strict=True)}
-    judged = judge(folder, table.rows, seen, strict, time_measured=description.time_measured)
+    judged = judge_runs(folder, table.rows, seen, strict, time_measured=description.time_measured)
     runs = tuple(_judged(one, judged) for one in checked if isinstance(one, Run) and one.name in judged.sines)
     return Campaign(
         name=description.name,

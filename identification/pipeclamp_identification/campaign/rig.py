@@ -41,7 +41,7 @@ OF_ONE_SPECIMEN = 1_000_000
 
 
 @dataclass(frozen=True)
-class PlannedRun:
+class RigRun:
     """One run of a campaign that was planned: its name, mm, Hz, degC, and the load cycles before it."""
 
     run: str
@@ -105,7 +105,7 @@ class TestPlan:
     repeats: int = 1
     seed: int = 0
     drive: Drive | None = None
-    runs: tuple[PlannedRun, ...] = ()
+    runs: tuple[RigRun, ...] = ()
 
     def check(self) -> None:
         """Refuse a plan that can't be run.
@@ -181,7 +181,7 @@ def driven(plan: TestPlan, drive: Drive) -> TestPlan:
     return replace(plan, amplitudes=(amplitude,), frequencies=(frequency,), drive=drive)
 
 
-def planned(plan: TestPlan, runs: Sequence[PlannedRun]) -> TestPlan:
+def planned(plan: TestPlan, runs: Sequence[RigRun]) -> TestPlan:
     """Give a plan of these runs, with the sensors and the cycles of another."""
     levels = (
         sorted({getattr(run, name) for run in runs}) for name in ("amplitude_mm", "frequency_Hz", "temperature_C")
@@ -245,7 +245,7 @@ class _Drawn:
     temperatures (degC) and phases at the beginning (rad), (R,)."""
 
     frequency: float
-    runs: tuple[PlannedRun, ...]
+    runs: tuple[RigRun, ...]
     random: list[np.random.Generator]
     A: Array
     T: Array
@@ -329,7 +329,7 @@ def _recorded(plan: TestPlan, time: Array, displacement: Array, force: Array, rn
     )
 
 
-def _planned_at(plan: TestPlan, frequency: float) -> list[tuple[PlannedRun, int]]:
+def _planned_at(plan: TestPlan, frequency: float) -> list[tuple[RigRun, int]]:
     """Give the runs of a plan at a frequency, and which of the random numbers of its condition each has."""
     if plan.runs:
         return [(run, place) for place, run in enumerate(plan.runs, 1) if run.frequency_Hz == frequency]
@@ -337,7 +337,7 @@ def _planned_at(plan: TestPlan, frequency: float) -> list[tuple[PlannedRun, int]
     for A, T, repeat in itertools.product(plan.amplitudes, plan.temperatures, range(plan.repeats)):
         name = plain_name(f"A{A:g}_f{frequency:g}_T{T:g}")
         name += f"_{repeat + 1}" if plan.repeats > 1 else ""
-        found.append((PlannedRun(name, A, frequency, T, 0), repeat))
+        found.append((RigRun(name, A, frequency, T, 0), repeat))
     return found
 
 
@@ -346,7 +346,7 @@ def plain_name(text: str) -> str:
     return text.replace(".", "p").replace("-", "m")
 
 
-def _name(run: PlannedRun, specimen: int) -> str:
+def _name(run: RigRun, specimen: int) -> str:
     return f"{run.run}_S{specimen}" if specimen else run.run
 
 

@@ -41,7 +41,7 @@ NUMBER_COLUMNS = MappingProxyType(
     }
 )
 # words of units in which the known quantities are given elsewhere
-UNITS = frozenset(
+UNIT_WORDS = frozenset(
     (
         *("c", "k", "f", "deg", "degc", "degf", "celsius", "kelvin", "m", "mm", "um", "in", "hz", "khz", "rpm", "rad"),
         *("s", "g", "kg", "lb", "m3", "cm3", "mm3", "in3", "ft3"),
@@ -193,7 +193,7 @@ def meant_column(column: str) -> str | None:
     if column in known:
         return None
     quantity, *rest = re.findall(r"[^\W_]+", column.lower()) or [""]
-    if len(rest) > 1 and not UNITS.issuperset(rest):
+    if len(rest) > 1 and not UNIT_WORDS.issuperset(rest):
         return None
     spelled = {re.sub("_", "", name).lower(): name for name in known}
     if (letters := re.sub(r"[\W_]", "", column.lower())) in spelled:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import UNITS, Extremes, extremes_of
+from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, Extremes, extremes_of
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.free_motion import begins_at_rest, fundamental_of_motion
@@ -79,7 +79,7 @@ def seen_sine(record: Record, cycles: Cycles) -> SeenSine:
     amplitudes: dict[Channel, float] = {
         "displacement": shown.amplitude_mm, "force": shown.amplitude_mm * abs(shown.stiffness)
     }  # fmt: skip
-    ends = {channel: extremes_of(record, cycles, channel, amplitudes[channel]) for channel in UNITS}
+    ends = {channel: extremes_of(record, cycles, channel, amplitudes[channel]) for channel in CHANNEL_UNITS}
     place, mean_force = (float(np.mean(one[:, 0].real)) for one in (by_cycle.displacement, by_cycle.force))
     return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends)
 

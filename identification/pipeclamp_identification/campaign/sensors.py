@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import UNITS, at_common_end
+from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, at_common_end
 from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired, without
 from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, shifts_over_runs
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
@@ -213,7 +213,7 @@ def force_words(free: Sequence[SeenFree]) -> tuple[str, ...]:
 def _at_the_end_of_their_range(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
     """Give the runs of different amplitude that stop at one and the same value, however shortly."""
     found: dict[str, SensorFailure] = {}
-    for channel, unit in UNITS.items():
+    for channel, unit in CHANNEL_UNITS.items():
         ends = {run.name: run.seen.ends[channel] for run in runs}
         for run, end in at_common_end(ends).items():
             reason = f"clipped sensor: {channel}_{unit} stops at {end:g} as in other runs of other amplitude"

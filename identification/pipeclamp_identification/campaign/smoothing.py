@@ -18,12 +18,12 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array
 
-LOWEST, HIGHEST = 2, 60
+LOWEST_ORDER, HIGHEST_ORDER = 2, 60
 """Orders between which noise is looked at."""
 FEWEST_CYCLES_BETWEEN_HARMONICS = 4
 """Cycles from which on the noise between the motion's own harmonics can be seen."""
 FEWEST_ORDERS = 20
-MOST_RUNS = 24
+MOST_RUNS_ASKED = 24
 AVERAGED_SHARES = 1 / np.arange(3.0, 30.05, 0.1)
 """Averages over these shares of the period are looked for."""
 EXPLAINED = 0.6
@@ -88,14 +88,14 @@ def find_smoothing(records: Sequence[tuple[Record, Cycles]]) -> Smoothing:
 def asked(runs: Sequence[Cycles]) -> list[int]:
     """Give the places of the runs whose noise is looked at, of many runs some."""
     usable = [place for place, cycles in enumerate(runs) if cycles.count >= FEWEST_CYCLES_BETWEEN_HARMONICS]
-    return usable[:: max(1, len(usable) // MOST_RUNS)]
+    return usable[:: max(1, len(usable) // MOST_RUNS_ASKED)]
 
 
 def _between_harmonics(samples: Array, cycles: Cycles) -> Array:
     """Give the log of the noise's power halfway between the motion's harmonics, NaN where sampling ends, (orders,)."""
     steady = samples[cycles.steady]
     power = hann_spectrum(steady) ** 2
-    orders = np.arange(LOWEST, HIGHEST) + 0.5
+    orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER) + 0.5
     level = np.full(len(orders), np.nan)
     # A window over c cycles puts harmonic n at line n c and blurs it over two lines either side.
     reach = max(int(cycles.count / 2 - 2), 0)
@@ -110,7 +110,7 @@ def _share(levels: Sequence[Array]) -> float:
     """Give the share of the period that the average goes over whose zeros the noise shows; zero for none."""
     if not levels:
         return 0.0
-    orders = np.arange(LOWEST, HIGHEST) + 0.5
+    orders = np.arange(LOWEST_ORDER, HIGHEST_ORDER) + 0.5
     table = np.array(levels)
     seen = np.isfinite(table).any(axis=0)
     if np.count_nonzero(seen) < FEWEST_ORDERS:

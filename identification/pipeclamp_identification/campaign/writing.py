@@ -18,7 +18,7 @@ from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import write_folder
+from pipeclamp_models.base.files import WINDOWS_DEVICES, write_folder
 from pipeclamp_models.base.tables import pl
 
 
@@ -32,7 +32,7 @@ class WrittenRun:
 
 Format = Literal["csv", "csv.gz", "parquet"]
 
-PLAIN = re.compile(r"(?!(con|prn|aux|nul|com\d|lpt\d)$)\w[\w-]{0,63}", re.ASCII | re.IGNORECASE)
+PLAIN_FILE_NAME = re.compile(rf"(?!({WINDOWS_DEVICES})$)\w[\w-]{{0,63}}", re.ASCII | re.IGNORECASE)
 """Names of runs that are names of files on every system too; records of others are numbered."""
 
 
@@ -50,7 +50,7 @@ def campaign_files(
     taken: set[str] = set()
     for number, run in enumerate(runs, 1):
         run_name = str(run.row["run"])
-        stem = run_name if PLAIN.fullmatch(run_name) else f"{number:04d}"
+        stem = run_name if PLAIN_FILE_NAME.fullmatch(run_name) else f"{number:04d}"
         while stem.casefold() in taken:  # Windows takes "a" and "A" for one
             stem += "_"
         taken.add(stem.casefold())

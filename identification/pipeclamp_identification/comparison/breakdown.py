@@ -35,7 +35,7 @@ BRANCHES = ("unloading", "loading")
 """The displacement falls from its largest value, then rises again."""
 MOST_CYCLES_SINGLY = 12
 """More cycles than this are grouped."""
-SAME_SHARE = 0.06
+SAME_LEVEL_SHARE = 0.06
 SAME_TEMPERATURE_K = 3.0
 SAME_OF_RANGE = 0.02
 """Conditions that differ by less, as a share, in K, or as a share of their range, are one set point."""
@@ -355,8 +355,8 @@ def conditions_of(campaign: Campaign, loops: Loops) -> tuple[Condition, ...]:
         **loops.conditions,
     }
     return (
-        Condition("amplitude_mm", "A", "mm", number_levels(loops.amplitude_mm, relative=SAME_SHARE)),
-        Condition("frequency_Hz", "f", "Hz", number_levels(loops.frequency_Hz, relative=SAME_SHARE)),
+        Condition("amplitude_mm", "A", "mm", number_levels(loops.amplitude_mm, relative=SAME_LEVEL_SHARE)),
+        Condition("frequency_Hz", "f", "Hz", number_levels(loops.frequency_Hz, relative=SAME_LEVEL_SHARE)),
         *stated_conditions(loops.temperature_K, stated, loops.specimen),
     )
 
@@ -376,7 +376,7 @@ def stated_conditions(
 def _stated_levels(values: Array) -> tuple[Level, ...]:
     known = values[np.isfinite(values)]
     step = SAME_OF_RANGE * float(np.ptp(known)) if len(known) else 0.0
-    return number_levels(values, relative=SAME_SHARE, absolute=step)
+    return number_levels(values, relative=SAME_LEVEL_SHARE, absolute=step)
 
 
 def by_condition(sums: Sequence[RunSums], condition: Condition) -> Breakdown:

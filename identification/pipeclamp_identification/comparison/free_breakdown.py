@@ -26,7 +26,7 @@ from pipeclamp_identification.signals.levels import distinct_texts, name_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 
 TIME_PARTS = 10
-CLASSES = 6
+EQUAL_PARTS = 6
 """Equal parts of a record's time, and of the range of what the motion does, into which the error is broken down."""
 STILL_SPEED_SHARE = 0.01
 """Share of a record's largest speed below which the clamp nearly stands still: 1 % of the speed of a sine is within 0.6
@@ -107,7 +107,7 @@ class Classes:
         return [f"{low} to {high}" for low, high in itertools.pairwise(texts)]
 
 
-def classes_of(name: str, unit: str, values: Sequence[Array], count: int = CLASSES) -> Classes:
+def classes_of(name: str, unit: str, values: Sequence[Array], count: int = EQUAL_PARTS) -> Classes:
     """Give equal classes over the range of a quantity; values by run, shape (n,) each."""
     low, high = min(float(np.min(one)) for one in values), max(float(np.max(one)) for one in values)
     edges = np.linspace(low, high if high > low else low + 1.0, count + 1)
@@ -126,12 +126,12 @@ def motion_classes(samples: Sequence[FreeSamples]) -> tuple[Classes, ...]:
     )
 
 
-def speed_classes(samples: Sequence[FreeSamples], count: int = CLASSES) -> Classes:
+def speed_classes(samples: Sequence[FreeSamples], count: int = EQUAL_PARTS) -> Classes:
     """Give classes of the speed."""
     return classes_of("speed", "mm/s", [np.abs(one.misfit.v) for one in samples], count)
 
 
-def amplitude_classes(samples: Sequence[FreeSamples], count: int = CLASSES) -> Classes:
+def amplitude_classes(samples: Sequence[FreeSamples], count: int = EQUAL_PARTS) -> Classes:
     """Give classes of the tracked amplitude."""
     return classes_of("tracked amplitude", "mm", [one.misfit.amplitude for one in samples], count)
 

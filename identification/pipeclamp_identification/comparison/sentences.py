@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-KINDS = ("warning:", "note:")
+SENTENCE_KINDS = ("warning:", "note:")
 """What says of which kind a sentence is, and names nothing."""
 
 
 def sentence(words: str) -> str:
     """Give words as a sentence; a name of the catalogue that begins them stays as `add` takes it."""
     first = words.split(maxsplit=1)[0] if words.split() else ""
-    named = set("_:") & set(first) and first not in KINDS
+    named = set("_:") & set(first) and first not in SENTENCE_KINDS
     begun = words if named else f"{words[:1].upper()}{words[1:]}"
     return begun if begun.endswith(".") else f"{begun}."
 

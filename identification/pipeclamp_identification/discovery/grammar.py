@@ -35,10 +35,10 @@ SPEED = {
     "lower": "0.01 * A_typical * f_typical",
     "upper": "100 * A_highest * f_highest",
 }
-NARROWEST = 0.03
+NARROWEST_CLEARANCE = 0.03
 """Share of a clearance that is never closed: a pole is cut off there, beyond the tests' range."""
 MOST_PARAMETERS = 4
-MOST_STARTS = 8
+MOST_TERM_STARTS = 8
 LONGEST_ID = 40
 ROLES = {"stiffness": "stiffness", "damping": "damping", "slip": "slip force"}
 
@@ -221,9 +221,9 @@ def _springs() -> Iterator[_Shape]:
 
 
 CLOSING = {
-    "positive": f"max(1 - y / y_x, {NARROWEST})",
-    "negative": f"max(1 + y / y_x, {NARROWEST})",
-    "both": f"max(1 - (y / y_x)**2, {NARROWEST})",
+    "positive": f"max(1 - y / y_x, {NARROWEST_CLEARANCE})",
+    "negative": f"max(1 + y / y_x, {NARROWEST_CLEARANCE})",
+    "both": f"max(1 - (y / y_x)**2, {NARROWEST_CLEARANCE})",
 }
 """Share of a clearance that is left, by the side on which it closes."""
 SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
@@ -483,9 +483,9 @@ def _term(
 
 
 def _some_of_each(starts: Sequence[Sequence[object]]) -> list[tuple[object, ...]]:
-    """Give combinations of starts, `MOST_STARTS` or about as many, in which each start of each parameter comes."""
+    """Give combinations of starts, `MOST_TERM_STARTS` or about as many, in which each start of each parameter comes."""
     places = list(itertools.product(*(range(len(own)) for own in starts)))
-    every = -(-len(places) // MOST_STARTS)
+    every = -(-len(places) // MOST_TERM_STARTS)
     # diagonals of the grid: every second of a list would leave out every second start of the last parameter
     chosen = (place for place in places if sum(place) % every == 0)
     return [tuple(own[at] for own, at in zip(starts, place, strict=True)) for place in chosen]

@@ -18,6 +18,7 @@ from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.range import rounded
+from pipeclamp_models.law.step import BeforeAfter
 
 COEFFICIENT_DIGITS = 4
 
@@ -91,7 +92,7 @@ class TermProposal:
     search: TermSearch
     before: LawFile
     after: LawFile | None
-    heldout: tuple[float, float] | None
+    heldout: BeforeAfter | None
     noise_nrmse: float | None
     declaration: Declaration | None
     guards: tuple[Guard, ...]
@@ -118,8 +119,8 @@ class TermProposal:
             acts_like=found.term.acts_like if found else None,
             numbers=self.numbers(),
             family=found.term.family if found else None,
-            heldout_before=self.heldout[0] if self.heldout else None,
-            heldout_after=self.heldout[1] if self.heldout else None,
+            heldout_before=self.heldout.before if self.heldout else None,
+            heldout_after=self.heldout.after if self.heldout else None,
             noise_nrmse=self.noise_nrmse,
             rivals=tuple(
                 RivalAnswer(formula=formula_of(rival.declaration), acts_like=rival.acts_like)

@@ -17,7 +17,7 @@ from pipeclamp_models.law.outline import Sizes, number_in
 
 SINGULAR_SHARE = 1e-7
 """Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
-SMALLEST_SIZE = 1e-3
+SMALLEST_FORCE_SCALE = 1e-3
 """Of a start's force; where the data ask for less, or for the opposite, its shape is none of theirs."""
 MOST_STARTS = 8
 """A fit starts from all combinations of its effects' starts, but from so many at most: those that promise most."""
@@ -80,7 +80,7 @@ def sized(start: Values, there: Linearised, known: Collection[str], of_effects: 
     larger = {
         name: start[name] * float(size)
         for names, size in zip(scaled, sizes, strict=True)
-        if size > SMALLEST_SIZE
+        if size > SMALLEST_FORCE_SCALE
         for name in names
     }
     return {**start, **larger}

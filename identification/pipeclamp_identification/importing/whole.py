@@ -14,7 +14,7 @@ from pipeclamp_identification.campaign.description import (
     Imported,
     read_description,
 )
-from pipeclamp_identification.campaign.judging import judge
+from pipeclamp_identification.campaign.judging import judge_runs
 from pipeclamp_identification.campaign.reading import seen_in
 from pipeclamp_identification.campaign.runs_table import RunRow, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord
@@ -148,7 +148,7 @@ def _found(
                 raise one
             tell(row.run)
             seen[row.run] = one
-        judged = judge(work, rows, seen, time_measured=description.time_measured)
+        judged = judge_runs(work, rows, seen, time_measured=description.time_measured)
         looked = looked_at(work, description, rows, judged)
     except UserError as error:
         raise UserError(str(error).replace(str(work), str(folder))) from error

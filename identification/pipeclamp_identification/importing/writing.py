@@ -21,7 +21,7 @@ from pipeclamp_identification.campaign.description import (
     description_text,
     read_description,
 )
-from pipeclamp_identification.campaign.writing import PLAIN, Format
+from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME, Format
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_folder
@@ -166,7 +166,7 @@ def write_campaign(
         taken = {Path(row["file"]).name.casefold() for row in existing.rows}
     files: dict[str, str] = {}
     for number, run in enumerate(plan.runs, len(existing.rows) + 1 if existing else 1):
-        stem = run.name if PLAIN.fullmatch(run.name.replace(".", "_")) else f"{number:04d}"
+        stem = run.name if PLAIN_FILE_NAME.fullmatch(run.name.replace(".", "_")) else f"{number:04d}"
         while f"{stem}.{format}".casefold() in taken:
             stem += "_"
         taken.add(f"{stem}.{format}".casefold())

@@ -21,7 +21,7 @@ from pipeclamp_system.description.measured_table import DRIVES, Drive, ascending
 FILE_NAME = "measurement.toml"
 
 Unit = Literal["mm", "um", "m", "mm/s", "m/s", "m/s2", "mm/s2", "g"]
-UNITS: dict[Unit, tuple[int, float]] = {
+MOTION_UNITS: dict[Unit, tuple[int, float]] = {
     "mm": (0, 1e-3),
     "um": (0, 1e-6),
     "m": (0, 1.0),
@@ -53,12 +53,12 @@ class ProbeTable(TomlTable):
     @property
     def order(self) -> int:
         """How often the displacement is differentiated by time."""
-        return UNITS[self.unit][0]
+        return MOTION_UNITS[self.unit][0]
 
     @property
     def scale(self) -> float:
         """The unit's size in SI."""
-        return UNITS[self.unit][1]
+        return MOTION_UNITS[self.unit][1]
 
     @property
     def absolute(self) -> bool:

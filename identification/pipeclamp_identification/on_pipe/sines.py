@@ -29,7 +29,7 @@ from pipeclamp_system.description.measured_table import DRIVES
 from pipeclamp_system.description.system import SystemDescription
 from pipeclamp_system.steady.truncation import truncated_at
 
-KINDS = ("amplitude", "phase")
+ERROR_KINDS = ("amplitude", "phase")
 """The two parts of an error: along the measured phasor, and across it."""
 SAME_FREQUENCY = 1e-3
 SAME_DRIVE = 0.02
@@ -183,7 +183,7 @@ class PipeComparison:
         errors = self.squared_error.sum(axis=(0, 1)).tolist()
         parts = [
             ErrorPart(kind, error, half, whole.squared_force, whole.runs)
-            for kind, error in zip(KINDS, errors, strict=True)
+            for kind, error in zip(ERROR_KINDS, errors, strict=True)
         ]
         return Breakdown("amplitude and phase", tuple(parts))
 
@@ -203,7 +203,7 @@ class PipeComparison:
         if probes > 1:
             for index, name in enumerate(self.probes):
                 yield Factor("probe", f"at probe {name}", everywhere, (parts // 2 == index).astype(np.float64))
-        for index, kind in enumerate(KINDS if self.phased else ()):
+        for index, kind in enumerate(ERROR_KINDS if self.phased else ()):
             yield Factor("kind", f"in {kind}", everywhere, (parts % 2 == index).astype(np.float64))
 
 

@@ -36,7 +36,7 @@ LEVEL_COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
 MOST_REPEATS = 6
 AS_GOOD_TIMES = 1.05
 """A plan that needs an effect this many times as large as another one's names as well; the shorter one is taken."""
-LONGER = 2.0
+LONGER_TIMES = 2.0
 """Times the hours, up to which plans are looked at, to say what more time would give."""
 PROFILE = PROFILES[SINE]
 
@@ -152,7 +152,7 @@ def plan_campaign(
     tried: list[TriedPlan] = []
     fitting: list[tuple[TriedPlan, int, tuple[ScheduledRun, ...], Power]] = []
     for hours, repeats, runs in schedules:
-        if hours > LONGER * asked.hours:
+        if hours > LONGER_TIMES * asked.hours:
             continue
         found = power(view, levels.counted(runs))
         one = TriedPlan(hours, len(runs), found.from_newtons, int(found.told.sum()))
@@ -177,7 +177,7 @@ def _schedules(levels: _Levels, asked: PlanRequest) -> Iterator[tuple[float, int
             runs = scheduled(conditions, temperatures, repeats, asked.times, asked.seed)
             hours = hours_of(runs, asked.times)
             yield hours, repeats, runs
-            if hours > LONGER * asked.hours:
+            if hours > LONGER_TIMES * asked.hours:
                 break
 
 

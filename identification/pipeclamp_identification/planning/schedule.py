@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
-from pipeclamp_identification.campaign.rig import PlannedRun, plain_name
+from pipeclamp_identification.campaign.rig import RigRun, plain_name
 from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text
@@ -20,7 +20,7 @@ LABORATORY = 20.0
 """degC, from which a rig is heated."""
 TABLE = "plan.csv"
 HOUR, MINUTE = 3600.0, 60.0
-COLUMNS = (
+SCHEDULE_COLUMNS = (
     "order", "run", "file", "kind", "block", "repeat", "temperature_C", "amplitude_mm", "frequency_Hz", "cycles",
     "ramp_cycles", "duration_s", "wait_min", "start_min", "first_cycle", "drive",
 )  # fmt: skip
@@ -138,10 +138,10 @@ def hours_of(runs: Sequence[ScheduledRun], times: RigTimes) -> float:
 def table_text(runs: Sequence[ScheduledRun]) -> str:
     """Give the text of plan.csv: a row a run, in their order."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer = csv.DictWriter(text, SCHEDULE_COLUMNS, lineterminator="\n")
     writer.writeheader()
     for order, one in enumerate(runs, 1):
-        own = {name: getattr(one, name) for name in COLUMNS if hasattr(one, name)}
+        own = {name: getattr(one, name) for name in SCHEDULE_COLUMNS if hasattr(one, name)}
         further = {
             "order": order,
             "file": f"runs/{one.run}.csv",
@@ -155,7 +155,7 @@ def table_text(runs: Sequence[ScheduledRun]) -> str:
     return text.getvalue()
 
 
-def read_plan(folder: Path) -> tuple[PlannedRun, ...]:
+def read_plan(folder: Path) -> tuple[RigRun, ...]:
     """Read the runs of a plan, in their order; from its folder or its plan.csv.
 
     Raises:
@@ -177,7 +177,7 @@ def read_plan(folder: Path) -> tuple[PlannedRun, ...]:
     return tuple(found)
 
 
-def _planned(row: Mapping[str, str | None], where: str) -> PlannedRun:
+def _planned(row: Mapping[str, str | None], where: str) -> RigRun:
     numbers = []
     for name in ("amplitude_mm", "frequency_Hz", "temperature_C", "first_cycle"):
         try:
@@ -186,4 +186,4 @@ def _planned(row: Mapping[str, str | None], where: str) -> PlannedRun:
             raise UserError(f"{where}, column {name!r}: got {row[name]!r}; expected a number") from None
     if not row["run"]:
         raise UserError(f"{where}, column 'run': nothing; expected its name")
-    return PlannedRun(row["run"], *numbers)
+    return RigRun(row["run"], *numbers)

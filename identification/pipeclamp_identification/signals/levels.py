@@ -12,7 +12,7 @@ from pipeclamp_models.base.arrays import Array, IntArray
 
 MOST_SET_POINTS = 10
 """More set points than this are shown as classes."""
-CLASSES = 6
+CLASSES_OF_MANY = 6
 SPREAD = 3.0
 """Values that reach farther than this many steps without a gap are no set point that they scatter about."""
 MOST_DIGITS = 7
@@ -67,7 +67,7 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
     groups = np.split(np.arange(len(order)), np.flatnonzero(np.diff(rising) > step[1:]) + 1) if len(order) else []
     wide = any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups)
     if wide or len(groups) > MOST_SET_POINTS:
-        edges = np.unique(np.quantile(rising, np.arange(1, CLASSES) / CLASSES))
+        edges = np.unique(np.quantile(rising, np.arange(1, CLASSES_OF_MANY) / CLASSES_OF_MANY))
         groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
         groups = [group for group in groups if len(group)]
         ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
-from pipeclamp_identification.workflow.climb import Climber, Rung, Settled, Turn
+from pipeclamp_identification.workflow.climb import Climber, Place, Rung, Settled, Turn
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -56,7 +56,7 @@ def add_until_settled(
         UserError: the data can't serve the law.
     """
     climber = Climber(tests, command, declared, limits, jobs, progress, most, seen, climbed)
-    way = climber.climb(file)
+    way = climber.climb(Place(file))
     assert way.settled is not None  # no other way came before
     first = way.settled
     turn = _turn_worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else None

@@ -14,7 +14,7 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
-from pipeclamp_models.law.step import LawStep
+from pipeclamp_models.law.step import BeforeAfter, LawStep
 
 STILL_AS_GOOD = 1.025
 """An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
@@ -35,8 +35,8 @@ class LawChange:
     step: LawStep
     before: LawFile
     after: LawFile
-    nrmse: tuple[float, float]
-    heldout: tuple[float, float]
+    nrmse: BeforeAfter
+    heldout: BeforeAfter
     noise_nrmse: float | None
 
 
@@ -90,7 +90,7 @@ def add_effects(
 
 def helps(steps: Sequence[LawChange]) -> bool:
     """Tell whether the last of these steps ends with a smaller error on left-out conditions than the first begins."""
-    return steps[-1].heldout[1] < steps[0].heldout[0]
+    return steps[-1].heldout.after < steps[0].heldout.before
 
 
 def remove_effect(
@@ -144,7 +144,7 @@ def without_spares(
 
 def stays_as_good(change: LawChange) -> bool:
     """Tell whether the error on left-out conditions rises by less than a material part, and that of all samples too."""
-    return change.heldout[1] <= change.heldout[0] * STILL_AS_GOOD and fits_samples(change)
+    return change.heldout.after <= change.heldout.before * STILL_AS_GOOD and fits_samples(change)
 
 
 def fits_samples(change: LawChange) -> bool:
@@ -153,7 +153,7 @@ def fits_samples(change: LawChange) -> bool:
     Left-out conditions are foretold in the harmonics that loops keep. What a law does wrong beyond them, at a reversal,
     shows in the samples alone.
     """
-    return change.nrmse[1] <= change.nrmse[0] * STILL_AS_GOOD
+    return change.nrmse.after <= change.nrmse.before * STILL_AS_GOOD
 
 
 def as_well_without(change: LawChange, keep: str) -> str:
@@ -193,9 +193,11 @@ def _changed(
     """Refit a law with another structure and state the error before and after."""
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, provenance=provenance)
-    history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
-    left = {"refitted_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
+    history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse.before)),)
+    left = {"refitted_nrmse": rounded(done.heldout.before), "stage": stage_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))
-    last = HistoryStep(step=str(step), kind=kind, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
+    last = HistoryStep(
+        step=str(step), kind=kind, nrmse=rounded(done.nrmse.after), refitted_nrmse=rounded(done.heldout.after)
+    )
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
     return LawChange(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

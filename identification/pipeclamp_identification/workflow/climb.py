@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
@@ -70,7 +70,7 @@ class Settled:
     @property
     def heldout(self) -> float:
         """Error of the law on left-out conditions; infinite where no rung has stated it."""
-        return self.ladder[-1].change.heldout[1] if self.ladder else math.inf
+        return self.ladder[-1].change.heldout.after if self.ladder else math.inf
 
     def told(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
@@ -85,8 +85,39 @@ class Settled:
         return words
 
 
-Gone = Mapping[str, InVain]
-"""Effects that went, for good, by name."""
+class MadeOf(NamedTuple):
+    """What a law is made of: base, and effects in whatever order."""
+
+    base: str
+    effects: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a ladder has come to.
+
+    Attributes:
+        file: the law there.
+        ladder: what was done on the way.
+        gone: effects that went, for good, by name.
+    """
+
+    file: LawFile
+    ladder: tuple[Rung, ...] = ()
+    gone: Mapping[str, InVain] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def made_of(self) -> MadeOf:
+        """What the law is made of."""
+        return MadeOf(self.file.base, frozenset(self.file.effects))
+
+    def after(self, *rungs: Rung) -> Place:
+        """Give the place to which further rungs lead."""
+        return replace(self, file=rungs[-1].change.after, ladder=(*self.ladder, *rungs))
+
+    def without(self, spare: InVain) -> Place:
+        """Give the place with an effect that went for good."""
+        return replace(self, gone={**self.gone, spare.effect: spare})
 
 
 @dataclass(frozen=True)
@@ -94,27 +125,16 @@ class Turn:
     """A place on the way where another effect takes a part too.
 
     Attributes:
-        file: the law there.
-        ladder: what was done before.
-        gone: effects that went before.
+        place: the place.
         effect: the other effect.
         taken: what was added in its place.
         share: how much it takes of what that does.
     """
 
-    file: LawFile
-    ladder: tuple[Rung, ...]
-    gone: Gone
+    place: Place
     effect: str
     taken: str
     share: float
-
-
-class MadeOf(NamedTuple):
-    """What a law is made of: base, and effects in whatever order."""
-
-    base: str
-    effects: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -146,59 +166,51 @@ class Climber:
     seen: Callable[[Diagnosed, LawFile], None]
     climbed: Callable[[LawFile, tuple[Rung, ...]], None]
 
-    def climb(
-        self,
-        file: LawFile,
-        ladder: tuple[Rung, ...] = (),
-        gone: Gone = MappingProxyType({}),
-        before: frozenset[MadeOf] = frozenset(),
-    ) -> WayUp:
+    def climb(self, place: Place, before: frozenset[MadeOf] = frozenset()) -> WayUp:
         """Diagnose and add until nothing helps.
 
         Args:
-            file: the law to begin with.
-            ladder, gone: what was done to it before, and what went.
+            place: where to begin.
             before: laws that other ways came by.
         """
         turns: tuple[Turn, ...] = ()
         met: frozenset[MadeOf] = frozenset()
         while True:
-            made = MadeOf(file.base, frozenset(file.effects))
-            if made in before:
+            if place.made_of in before:
                 return WayUp(None, turns, met)
-            met |= {made}
-            if ladder:
-                self.climbed(file, ladder)
+            met |= {place.made_of}
+            if place.ladder:
+                self.climbed(place.file, place.ladder)
             found = self.tests.diagnose(
-                file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
+                place.file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
             )
-            went = tuple(gone[name] for name in found.effects if name in gone)
-            if went and found.effects[0] in gone:
+            went = tuple(place.gone[name] for name in found.effects if name in place.gone)
+            if went and found.effects[0] in place.gone:
                 found = found.naming_nothing(in_vain_words(went))
-            if len(ladder) >= self.most or not _goes_on(found, file):
-                self.seen(found, file)
-                whole = found.verdict == "complete" and len(ladder) < self.most
-                simpler = self._with_something_simpler(file) if whole else None
+            if len(place.ladder) >= self.most or not _goes_on(found, place.file):
+                self.seen(found, place.file)
+                whole = found.verdict == "complete" and len(place.ladder) < self.most
+                simpler = self._with_something_simpler(place.file) if whole else None
                 if simpler is None:
-                    return WayUp(Settled(file, found, ladder, went), turns, met)
-                ladder, file = (*ladder, simpler), simpler.change.after
+                    return WayUp(Settled(place.file, found, place.ladder, went), turns, met)
+                place = place.after(simpler)
                 continue
-            tried = self._until_one_helps(file, found, gone)
+            tried = self._until_one_helps(place, found)
             if tried and helps(tried[-1]):
-                self.seen(found, file)
-                turns = (*turns, *_turns(file, ladder, gone, found, tried[-1][0].step.effect))
-                ladder = (*ladder, *_rungs(found, tried))
+                self.seen(found, place.file)
+                turns = (*turns, *_turns(place, found, tried[-1][0].step.effect))
+                place = place.after(*_rungs(found, tried))
                 name = having = tried[-1][-1].step.effect
             else:
                 in_vain = (*went, *(_in_vain(steps) for steps in tried))
                 found = found.naming_nothing(in_vain_words(in_vain)) if tried else found
-                self.seen(found, file)
-                rung = self._with_something_exchanged(file)
+                self.seen(found, place.file)
+                rung = self._with_something_exchanged(place.file)
                 if rung is None:
-                    return WayUp(Settled(file, found, ladder, in_vain), turns, met)
-                ladder = (*ladder, rung)
+                    return WayUp(Settled(place.file, found, place.ladder, in_vain), turns, met)
+                place = place.after(rung)
                 name, having = rung.change.step.effect, str(rung.change.step)
-            file, ladder, gone = self._without_spares(ladder, gone, name, having)
+            place = self._without_spares(place, name, having)
 
     def climb_from(self, turn: Turn, ended: float, before: frozenset[MadeOf]) -> WayUp:
         """Add the other effect at a turn, and go on from there.
@@ -208,16 +220,15 @@ class Climber:
             ended: error on left-out conditions where the way ended that didn't turn there.
             before: laws that other ways came by.
         """
-        (change,) = self._added(turn.file, [turn.effect], "part")
+        (change,) = self._added(turn.place.file, [turn.effect], "part")
         words = (
             f"by itself it takes {turn.share:.0%} of what {turn.taken} does, but with {turn.taken} in its place the "
             f"ladder ended at {ended:.2%} on left-out conditions"
         )
-        ladder = (*turn.ladder, Rung(change, "part", (words, NO_PROOF)))
-        file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
-        return self.climb(file, ladder, gone, before)
+        place = turn.place.after(Rung(change, "part", (words, NO_PROOF)))
+        return self.climb(self._without_spares(place, turn.effect, turn.effect), before)
 
-    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[LawChange]]:
+    def _until_one_helps(self, place: Place, found: Diagnosed) -> list[list[LawChange]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
 
         The fit of the first begins at the values that are known of it; what it needs beside it is added too.
@@ -226,11 +237,10 @@ class Climber:
             what was tried, each in its steps; those that went aren't.
         """
         tried: list[list[LawChange]] = []
-        for name in (name for name in found.effects if name not in gone):
+        for name in (name for name in found.effects if name not in place.gone):
             whole = not tried and found.together
-            tried.append(
-                self._added(file, found.together if whole else (name,), _kind(found), None if tried else found.values)
-            )
+            named = found.together if whole else (name,)
+            tried.append(self._added(place.file, named, _kind(found), None if tried else found.values))
             if helps(tried[-1]):
                 break
         return tried
@@ -247,24 +257,19 @@ class Climber:
             start=start, progress=self.progress,
         )  # fmt: skip
 
-    def _without_spares(
-        self, ladder: tuple[Rung, ...], gone: Gone, keep: str, having: str
-    ) -> tuple[LawFile, tuple[Rung, ...], Gone]:
-        """Take out what the ladder's last law does as well without, now that it has something.
+    def _without_spares(self, place: Place, keep: str, having: str) -> Place:
+        """Take out what the law at a place does as well without, now that it has something.
 
         Args:
-            ladder, gone: what was done so far, and what went.
+            place: the place.
             keep: the effect that was added last, which isn't asked.
             having: what was added last, in words.
         """
-        file = ladder[-1].change.after
-        spares = without_spares(file, keep, self.tests, provenance=self._provenance(file), progress=self.progress)
-        for change in spares:
-            ladder = (*ladder, Rung(change, "revision", (as_well_without(change, having),)))
-            spare = _in_vain([change])
-            gone = {**gone, spare.effect: spare}
-            file = change.after
-        return file, ladder, gone
+        made = self._provenance(place.file)
+        for change in without_spares(place.file, keep, self.tests, provenance=made, progress=self.progress):
+            rung = Rung(change, "revision", (as_well_without(change, having),))
+            place = place.after(rung).without(_in_vain([change]))
+        return place
 
     def _with_something_exchanged(self, file: LawFile) -> Rung | None:
         """Put a law on another base, or another effect of a family in one's place; None where none does better."""
@@ -293,11 +298,9 @@ class Climber:
         return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.progress)
 
 
-def _turns(file: LawFile, ladder: tuple[Rung, ...], gone: Gone, found: Diagnosed, taken: str) -> list[Turn]:
+def _turns(place: Place, found: Diagnosed, taken: str) -> list[Turn]:
     return [
-        Turn(file, ladder, gone, effect, taken, share)
-        for effect, share in found.other_parts.items()
-        if effect not in gone
+        Turn(place, effect, taken, share) for effect, share in found.other_parts.items() if effect not in place.gone
     ]
 
 
@@ -332,7 +335,7 @@ def _energy_words(file: LawFile) -> tuple[str, ...]:
 
 def _in_vain(steps: Sequence[LawChange]) -> InVain:
     """Give what a law was refitted with, or without, and isn't to have."""
-    without, having = rounded(steps[0].heldout[0]), rounded(steps[-1].heldout[1])
+    without, having = rounded(steps[0].heldout.before), rounded(steps[-1].heldout.after)
     if not steps[0].step.come:
         without, having = having, without
     return InVain(effect=WITH.join(change.step.effect for change in steps), refitted_nrmse=(without, having))

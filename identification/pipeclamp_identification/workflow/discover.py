@@ -16,6 +16,7 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
+from pipeclamp_models.law.step import BeforeAfter
 
 
 def discover(
@@ -74,6 +75,6 @@ def discover(
     declaration = with_fitted(term, law, source)
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
-    heldout = (before, steps[-1].heldout[1])
+    heldout = BeforeAfter(before, steps[-1].heldout.after)
     gone = (*found.found.gone, *(change.step.effect for change in steps[1:]))
     return TermProposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)

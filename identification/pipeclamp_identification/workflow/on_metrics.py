@@ -30,6 +30,7 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.step import BeforeAfter
 
 if TYPE_CHECKING:
     from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
@@ -132,12 +133,13 @@ class MetricTests:
         progress("refit")
         result = fit_to_metrics(structure, observations, start, FIT_TOLERANCE, progress)
         progress("error on left-out conditions")
-        heldout = (
+        heldout = BeforeAfter(
             heldout_error(law.structure, observations, law.values),
             heldout_error(structure, observations, result.law.values),
         )
         after = rms(observations.logs(result.law_force.force))
-        return RefittedLaw(FittedToMetrics(self.campaign, result), (before, after), heldout, SCATTER_BEFOREHAND)
+        fitted = FittedToMetrics(self.campaign, result)
+        return RefittedLaw(fitted, BeforeAfter(before, after), heldout, SCATTER_BEFOREHAND)
 
     def diagnose(
         self,

@@ -24,6 +24,7 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.law.range import rounded
+from pipeclamp_models.law.step import BeforeAfter
 
 if TYPE_CHECKING:
     from pipeclamp_identification.comparison.compare import Comparison
@@ -194,9 +195,9 @@ class RecordTests:
         result = fit_structure(structure, self.loops, observations, start=start, progress=progress)
         runs = misfits(result.law, sines, self.loops)
         progress("error on left-out conditions")
-        heldout = (self._left_out_error(law), self._left_out_error(result.law))
+        heldout = BeforeAfter(self._left_out_error(law), self._left_out_error(result.law))
         fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
-        return RefittedLaw(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
+        return RefittedLaw(fitted, BeforeAfter(before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
 
     def _left_out_error(self, law: Law) -> float:
         known = KnownLaw.of(law.structure, law.values)

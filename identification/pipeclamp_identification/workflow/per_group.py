@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.campaign.writing import PLAIN
+from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.tests import Identified, Tests, silent
 from pipeclamp_models.base.errors import UserError
@@ -76,7 +76,7 @@ def stems(names: Sequence[str]) -> list[str]:
     found = []
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:LONGEST_FILE_NAME] or "group"
-        stem = plain if PLAIN.fullmatch(plain) else f"{plain}_"
+        stem = plain if PLAIN_FILE_NAME.fullmatch(plain) else f"{plain}_"
         while stem.casefold() in taken:
             stem += "_"
         taken.add(stem.casefold())

@@ -63,8 +63,8 @@ class SoFar:
 
 
 def _error(law: tuple[LawFile, tuple[Rung, ...]]) -> float:
-    return law[1][-1].change.heldout[1]
+    return law[1][-1].change.heldout.after
 
 
 def _fall(ladder: tuple[Rung, ...]) -> str:
-    return f"{ladder[0].change.heldout[0]:.2%} -> {ladder[-1].change.heldout[1]:.2%} on left-out conditions"
+    return f"{ladder[0].change.heldout.before:.2%} -> {ladder[-1].change.heldout.after:.2%} on left-out conditions"

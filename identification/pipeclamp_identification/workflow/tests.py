@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pipeclamp_identification.diagnosis.named import Naming
+from pipeclamp_models.law.step import BeforeAfter
 
 if TYPE_CHECKING:
     from pipeclamp_identification.campaign.drive import DrivePlan
@@ -105,8 +106,8 @@ class RefittedLaw:
     """
 
     fitted: Identified
-    nrmse: tuple[float, float]
-    heldout: tuple[float, float]
+    nrmse: BeforeAfter
+    heldout: BeforeAfter
     noise_nrmse: float | None
 
 

@@ -14,7 +14,7 @@ from pipeclamp_models.base.files import refuse_no_file
 MOST_ARCHIVE_BYTES = 1_000_000_000
 """Of all files of an archive, unpacked."""
 MOST_ARCHIVE_FILES = 100_000
-MOST_TIMES, FEW_BYTES = 300, 1_000_000
+MOST_UNPACKED_TIMES, FEW_BYTES = 300, 1_000_000
 """Bytes for each byte of the archive, and those of any: zeros shrink a thousandfold, but no text, number or program."""
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Compressions of an FMU, by its standard."""
@@ -88,7 +88,7 @@ def _refuse_unfit(path: Path, entries: list[zipfile.ZipInfo], expected: str) -> 
     A file that is read in parts never unpacks to more than is said there: zipfile stops, and its check sum is wrong.
     """
     size, packed = sum(entry.file_size for entry in entries), path.stat().st_size
-    if size > FEW_BYTES + MOST_TIMES * packed:
+    if size > FEW_BYTES + MOST_UNPACKED_TIMES * packed:
         raise UserError(
             f"{path}: would unpack to {size / 1e6:.3g} MB, {size / packed:.0f} times its size; expected {expected}"
         )

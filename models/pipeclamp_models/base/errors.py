@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from pipeclamp_models.base.said import message
 
-LONGEST_NAME = 100
+LONGEST_NAME_SOUGHT = 100
 """Characters of a name by which a known one is found."""
 
 
@@ -31,7 +31,7 @@ class UsageError(UserError):
 def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
     """Ask whether one of the known names nearest to an unknown one was meant, to stand before what was expected."""
     # the search takes the square of a name's length
-    near = get_close_matches(name[:LONGEST_NAME], list(known), n=most, cutoff=0.5)
+    near = get_close_matches(name[:LONGEST_NAME_SOUGHT], list(known), n=most, cutoff=0.5)
     return f"did you mean {' or '.join(map(repr, near))}? " if near else ""
 
 

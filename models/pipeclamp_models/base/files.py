@@ -14,7 +14,7 @@ from pathlib import Path
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.owned import owned_folder
 
-KINDS = {
+FILE_KINDS = {
     stat.S_ISDIR: "is a folder",
     stat.S_ISFIFO: "is a pipe",
     stat.S_ISCHR: "is a device",
@@ -22,6 +22,8 @@ KINDS = {
     stat.S_ISSOCK: "is a socket",
 }
 """What may stand where a file is expected; opening some of them waits for ever."""
+WINDOWS_DEVICES = r"con|prn|aux|nul|com\d|lpt\d"
+"""Names that are devices on Windows, whatever ends they have; in any case."""
 WAITS_s = (0.02, 0.05, 0.1, 0.2, 0.4)
 """Waited before a file that can't be replaced is tried again."""
 
@@ -47,7 +49,7 @@ def refuse_no_file(path: Path, expected: str, where: str | None = None) -> None:
     except ValueError as error:
         raise UserError(f"{place}: is no name that a file can have; expected {expected}") from error
     if not stat.S_ISREG(mode):
-        kind = next((words for is_kind, words in KINDS.items() if is_kind(mode)), "is no file")
+        kind = next((words for is_kind, words in FILE_KINDS.items() if is_kind(mode)), "is no file")
         raise UserError(f"{place}: {kind}; expected {expected}")
 
 

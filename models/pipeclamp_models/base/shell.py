@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 
-PLAIN = re.compile(r"[\w./:+\udc80-\udcff-][\w./:+=@,\udc80-\udcff-]*(?<!,)")
+PLAIN_WORD = re.compile(r"[\w./:+\udc80-\udcff-][\w./:+=@,\udc80-\udcff-]*(?<!,)")
 """A word that no shell changes; bytes of names that are no text are as good as letters."""
 PLAIN_ON_WINDOWS = re.compile(r"[\w./\\:+-][\w./\\:+=@,-]*(?<!,)")
 """The same there, where a backslash parts folders; elsewhere it takes the next sign's meaning away."""
@@ -24,7 +24,7 @@ def quoted(word: str, *, always: bool = False, windows: bool = IS_WINDOWS) -> st
         always: in quotes even where it needs none.
         windows: for its shells.
     """
-    if not always and (PLAIN_ON_WINDOWS if windows else PLAIN).fullmatch(word):
+    if not always and (PLAIN_ON_WINDOWS if windows else PLAIN_WORD).fullmatch(word):
         return word
     if not windows:
         return shlex.quote(word) if re.search(r'["$`\\!]', word) else f'"{word}"'

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 _ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE = "+ ", "- ", " -> ", "base ", " alone"
 _REFIT = "a refit"
 _AND = " and "
+
+
+class BeforeAfter(NamedTuple):
+    """A law's error before a step and after it, as a share of the force."""
+
+    before: float
+    after: float
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_identification.signals.levels import CLASSES, name_levels, number_levels
+from pipeclamp_identification.signals.levels import CLASSES_OF_MANY, name_levels, number_levels
 
 
 def labels(levels):
@@ -29,7 +29,7 @@ def test_temperatures_are_told_apart_in_kelvin_not_in_percent():
 def test_values_without_set_points_make_classes():
     values = np.linspace(0.1, 1.0, 60)
     levels = number_levels(values, relative=0.06)
-    assert len(levels) == CLASSES
+    assert len(levels) == CLASSES_OF_MANY
     assert sum(len(level.rows) for level in levels) == 60
     assert labels(levels)[0].startswith("0.1 to ")
     assert levels[-1].high == "1"

@@ -7,7 +7,7 @@ import pytest
 from pipeclamp_fmu import build
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.workflow import auto, change, climb
-from pipeclamp_models.law.step import LawStep
+from pipeclamp_models.law.step import BeforeAfter, LawStep
 
 HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
 """Error on left-out conditions by the effect that was added last, or by all of a law's."""
@@ -37,7 +37,7 @@ def answering(answers, monkeypatch):
         step = SimpleNamespace(step=str(LawStep((effect,))), kind=options["kind"])
         after = law(*file.effects, effect, history=(*file.history, step))
         heldout = tuple(HELD_OUT.get(one.effects, HELD_OUT["".join(one.effects[-1:])]) for one in (file, after))
-        return SimpleNamespace(step=LawStep((effect,)), after=after, heldout=heldout)
+        return SimpleNamespace(step=LawStep((effect,)), after=after, heldout=BeforeAfter(*heldout))
 
     monkeypatch.setattr(change, "add_effect", add)
     return SimpleNamespace(
@@ -97,15 +97,20 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
 
     def exchanged(file, structure, tests, **options):
         return SimpleNamespace(
-            step=LawStep((structure,), ("memory",)), after=law(structure), heldout=(0.10, 0.08), nrmse=samples
+            step=LawStep((structure,), ("memory",)),
+            after=law(structure),
+            heldout=BeforeAfter(0.10, 0.08),
+            nrmse=samples,
         )
 
-    samples = (0.09, 0.07)
+    samples = BeforeAfter(0.09, 0.07)
     monkeypatch.setattr(climb, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.found.verdict == "complete"
     assert [(str(rung.change.step), rung.kind) for rung in settled.ladder] == [("memory -> memory:2", "revision")]
-    samples = (0.06, 0.22)  # a spike at each reversal, beyond the harmonics by which left-out conditions are foretold
+    samples = BeforeAfter(
+        0.06, 0.22
+    )  # a spike at each reversal, beyond the harmonics by which left-out conditions are foretold
     assert not auto.add_until_settled(law(), tests, command="test").ladder
 
 
@@ -116,7 +121,9 @@ def test_that_a_law_on_another_base_would_create_energy_is_told(base, cycle, tol
     tests.better_structures = lambda file, progress: [base] if not file.effects else []
     after = law("series")
     after.base = base
-    step = SimpleNamespace(step=LawStep(base=base), after=after, heldout=(0.10, 0.08), nrmse=(0.09, 0.07))
+    step = SimpleNamespace(
+        step=LawStep(base=base), after=after, heldout=BeforeAfter(0.10, 0.08), nrmse=BeforeAfter(0.09, 0.07)
+    )
     monkeypatch.setattr(climb, "exchange", lambda *of, **options: step)
     monkeypatch.setattr(build, "creates_energy", lambda file: cycle)
     settled = auto.add_until_settled(law(), tests, command="test")
@@ -142,16 +149,18 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
 
     def exchanged(file, structure, tests, **options):
         step = LawStep(("relaxation",), ("oil_damper",))
-        return SimpleNamespace(step=step, after=law(*structure.effects), heldout=(0.01, 0.0101), nrmse=samples)
+        return SimpleNamespace(
+            step=step, after=law(*structure.effects), heldout=BeforeAfter(0.01, 0.0101), nrmse=samples
+        )
 
-    samples = (0.01, 0.0101)
+    samples = BeforeAfter(0.01, 0.0101)
     monkeypatch.setattr(climb, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.file.effects == ("memory", "relaxation")
     assert [rung.kind for rung in settled.ladder] == ["cause", "part", "revision"]
     assert "fewer parameters" in settled.ladder[-1].words[0]
     assert asked == [{"oil_damper"}]
-    samples = (0.01, 0.02)
+    samples = BeforeAfter(0.01, 0.02)
     assert auto.add_until_settled(law(), tests, command="test").file.effects == ("memory", "oil_damper")
 
 
@@ -183,7 +192,9 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
 
     def remove(file, effect, tests, **options):
         after = law(*(name for name in file.effects if name != effect))
-        return SimpleNamespace(step=LawStep(gone=(effect,)), after=after, heldout=(0.01, 0.01), nrmse=(0.01, 0.01))
+        return SimpleNamespace(
+            step=LawStep(gone=(effect,)), after=after, heldout=BeforeAfter(0.01, 0.01), nrmse=BeforeAfter(0.01, 0.01)
+        )
 
     monkeypatch.setattr(change, "remove_effect", remove)
     added, add = [], change.add_effect
@@ -213,7 +224,10 @@ def test_an_effect_that_went_is_not_named_at_the_end(most, monkeypatch):
 
     def remove(file, effect, tests, **options):
         return SimpleNamespace(
-            step=LawStep(gone=(effect,)), after=law("memory"), heldout=(0.0100, 0.0101), nrmse=(0.01, 0.01)
+            step=LawStep(gone=(effect,)),
+            after=law("memory"),
+            heldout=BeforeAfter(0.0100, 0.0101),
+            nrmse=BeforeAfter(0.01, 0.01),
         )
 
     monkeypatch.setattr(change, "remove_effect", remove)

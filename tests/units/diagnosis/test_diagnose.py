@@ -193,7 +193,7 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     first, second = settled.ladder
     added = [(str(rung.change.step), rung.kind) for rung in (first, second)]
     assert added == [(f"+ {name}", "part") for name in found.together]
-    assert second.change.heldout[1] < 0.7 * first.change.heldout[0]
+    assert second.change.heldout.after < 0.7 * first.change.heldout.before
     assert f"{found.together[0]} needs it beside it" in second.words
 
 
@@ -302,7 +302,7 @@ def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign,
     runs = campaign(("asymmetry",), k2=60.0)
     tests, file = RecordTests(runs), law_file(identify(runs), runs, name="base", provenance=Provenance(""))
     first, second = (add_effect(file, name, tests, provenance=Provenance("")) for name in ("asymmetry", "offset"))
-    assert first.heldout[0] == second.heldout[0]
+    assert first.heldout.before == second.heldout.before
     found = tests.diagnose(first.after)
     assert found.verdict == "complete"
     assert tests.superfluous(first.after, "offset", silent) is None

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 from pipeclamp_identification.workflow.climb import Rung
 from pipeclamp_identification.workflow.so_far import SoFar
-from pipeclamp_models.law.step import LawStep
+from pipeclamp_models.law.step import BeforeAfter, LawStep
 
 
 def rung(effect, before, after):
-    return Rung(SimpleNamespace(step=LawStep((effect,)), heldout=(before, after)), "part", ())
+    return Rung(SimpleNamespace(step=LawStep((effect,)), heldout=BeforeAfter(before, after)), "part", ())
 
 
 def test_each_rung_is_told_once_and_the_best_law_is_kept():

@@ -46,8 +46,8 @@ def test_the_arm_that_was_fitted_at_all_temperatures_is_found_at_its_own(cold_te
     file = law_file(identify(cold_tests), cold_tests, name="law", provenance=Provenance("test"))
     effects = ("relaxation", "relaxation_temperature")
     beside, found = add_effects(file, effects, RecordTests(cold_tests), provenance=Provenance("test"))
-    assert beside.nrmse[1] > 0.05
-    assert found.nrmse[1] < 1.2 * found.noise_nrmse
+    assert beside.nrmse.after > 0.05
+    assert found.nrmse.after < 1.2 * found.noise_nrmse
     assert found.after.coefficients["tau"].value == pytest.approx(TIME, rel=0.1)
 
 

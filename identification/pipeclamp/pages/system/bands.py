@@ -13,7 +13,7 @@ from pipeclamp.show.table import Table
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.band import Band
 from pipeclamp_system.bands.ensemble import RunBands
-from pipeclamp_system.bands.quantities import KINDS
+from pipeclamp_system.bands.quantities import KIND_WORDS
 from pipeclamp_system.bands.told import PieceBand, ResponseBands
 from pipeclamp_system.steady.response import label
 from pipeclamp_system.steady.states import SteadyState
@@ -79,7 +79,7 @@ def add_area(
 
 def shares_of(band: Band) -> list[str]:
     """Give the shares of a band's variance, as texts, in the order of the kinds."""
-    return [f"{band.shares[kind]:.0%}" for kind in KINDS]
+    return [f"{band.shares[kind]:.0%}" for kind in KIND_WORDS]
 
 
 def add_band(figure: go.Figure, piece: Sequence[SteadyState], band: PieceBand, colour: str) -> None:

@@ -28,8 +28,8 @@ BEYOND_COLOUR = "#f08c00"
 
 IN_TIME = "found in time"
 
-TRUSTED = {"size": 7, "line": {"color": "white", "width": 1}}
-DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
+TRUSTED_MARK = {"size": 7, "line": {"color": "white", "width": 1}}
+DOUBTFUL_MARK = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
 
 
@@ -111,7 +111,7 @@ def _add_curve(figure: go.Figure, curve: Curve, point: int, colour: str, opacity
 
 def _add_dots(figure: go.Figure, response: FrequencyResponse, curve: Curve, point: int, colour: str) -> None:
     """Add the co-simulations on a curve."""
-    for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+    for trusted, mark in ((True, TRUSTED_MARK), (False, DOUBTFUL_MARK)):
         own = [
             dot for dot in response.dots
             if (dot.temperature, dot.level, dot.trusted) == (curve.temperature, curve.level, trusted)
@@ -138,7 +138,7 @@ def _add_legend(
             x=[None], y=[None], mode="lines+markers", name=IN_TIME, marker={"color": "#777777", "size": 4},
             line={"color": "#777777", "width": 1.6, "dash": "dash"},
         )  # fmt: skip
-    for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+    for trusted, mark in ((True, TRUSTED_MARK), (False, DOUBTFUL_MARK)):
         if any(dot.trusted == trusted for dot in response.dots):
             name = "co-simulation" if trusted else "co-simulation, not to be trusted"
             figure.add_scatter(x=[None], y=[None], mode="markers", name=name, marker={"color": "#777777", **mark})

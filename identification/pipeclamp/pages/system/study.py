@@ -18,7 +18,7 @@ from pipeclamp_system.study.description import Study
 
 LEVEL = ".s [mm]"
 """How columns of displacement amplitudes end."""
-UNITS = {
+UNIT_OF_ENDING = {
     "_kg_m2": "kg m²", "_kg_m3": "kg/m³", "_kg_m": "kg/m", "_m_s2": "m/s²", "_m_s": "m/s", "_N_mm": "N/mm",
     "_GPa": "GPa", "_bar": "bar", "_mm": "mm", "_kg": "kg", "_Hz": "Hz", "_C": "°C", "_N": "N", "_m": "m",
 }  # fmt: skip
@@ -74,7 +74,9 @@ def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None
 def named(axis: str) -> tuple[str, str]:
     """Give what is varied in words, and its unit: "position of clamp1" and "m" of pipe.clamps.clamp1.position_m."""
     *place, key = axis.split(".")
-    name, unit = next(((key.removesuffix(end), unit) for end, unit in UNITS.items() if key.endswith(end)), (key, ""))
+    name, unit = next(
+        ((key.removesuffix(end), unit) for end, unit in UNIT_OF_ENDING.items() if key.endswith(end)), (key, "")
+    )
     whose = f"all {place[-2]}" if place[-1] == "*" else place[-1]
     return f"{name.replace('_', ' ')} of {whose}", unit
 

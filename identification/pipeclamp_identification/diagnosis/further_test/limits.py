@@ -59,8 +59,8 @@ class Limits:
 RANGES = {"A": "amplitude", "f": "frequency", "T": "temperature"}
 QUANTITY_WORDS = {"v": "velocity", "F": "force"}
 SUCH_AS = {"A": "2", "f": "20", "T": "300", "v": "300", "F": "5000"}
-UNITS = {"A": "mm", "f": "Hz", "T": "degC", "v": "mm/s", "F": "N"}
-LOWEST = {"A": 0.0, "f": 0.0, "T": -CELSIUS, "v": 0.0, "F": 0.0}
+LIMIT_UNITS = {"A": "mm", "f": "Hz", "T": "degC", "v": "mm/s", "F": "N"}
+ALL_ABOVE = {"A": 0.0, "f": 0.0, "T": -CELSIUS, "v": 0.0, "F": 0.0}
 """What both ends lie above."""
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
 
@@ -74,8 +74,8 @@ def parse_limits(text: str) -> Limits:
     found: dict[str, Range] = {}
     for entry in text.split(","):
         name, _, ends = (part.strip() for part in entry.partition("="))
-        if name not in UNITS or not ends:
-            known = ", ".join(f"{symbol} ({unit})" for symbol, unit in UNITS.items())
+        if name not in LIMIT_UNITS or not ends:
+            known = ", ".join(f"{symbol} ({unit})" for symbol, unit in LIMIT_UNITS.items())
             raise UsageError(
                 f"--limits: got {entry.strip()!r}; expected {EXAMPLE} or some of it; known are {known}, and decimals "
                 "take a point"
@@ -101,20 +101,20 @@ def _ends(name: str, text: str) -> Range:
     if match is None or not any(match.groups()):
         # a hyphen between two numbers is no sign
         told = re.findall(NUMBER, re.sub(r"(?<=[\d\s])-", " ", text))
-        told = [number for number in told if float(number) > LOWEST[name]] or [SUCH_AS[name]]
+        told = [number for number in told if float(number) > ALL_ABOVE[name]] or [SUCH_AS[name]]
         low = told[0] if len(told) > 1 and name in RANGES else ""
         raise refused("numbers with a point and .. between them, one of which may be left out", low, told[-1])
     low, high = match.groups(default="")
     if low and name in QUANTITY_WORDS:
         raise refused(f"the largest {QUANTITY_WORDS[name]} alone", "", high or low)
     numbers = [float(end) for end in (low, high) if end]
-    if min(numbers) <= LOWEST[name]:
-        above = "" if low and float(low) <= LOWEST[name] else low
-        end = high if high and float(high) > LOWEST[name] else SUCH_AS[name]
-        raise refused(f"what lies above {LOWEST[name]:g} {UNITS[name]}", above, end)
+    if min(numbers) <= ALL_ABOVE[name]:
+        above = "" if low and float(low) <= ALL_ABOVE[name] else low
+        end = high if high and float(high) > ALL_ABOVE[name] else SUCH_AS[name]
+        raise refused(f"what lies above {ALL_ABOVE[name]:g} {LIMIT_UNITS[name]}", above, end)
     if numbers[0] > numbers[-1]:
         raise refused("the lower end first", high, low)
-    return float(low or LOWEST[name]), float(high or math.inf)
+    return float(low or ALL_ABOVE[name]), float(high or math.inf)
 
 
 def limits_words(limits: Limits) -> str:
@@ -122,7 +122,7 @@ def limits_words(limits: Limits) -> str:
     words = []
     for symbol in RANGES:
         low, high = limits.range(symbol)
-        ends = f"{low:.3g}" if low > LOWEST[symbol] else "", f"{high:.3g}" if math.isfinite(high) else ""
+        ends = f"{low:.3g}" if low > ALL_ABOVE[symbol] else "", f"{high:.3g}" if math.isfinite(high) else ""
         words += ["{}={}..{}".format(symbol, *ends)] if any(ends) else []
     largest = {symbol: getattr(limits, name) for symbol, name in QUANTITY_WORDS.items()}
     return ",".join([*words, *(f"{symbol}=..{end:.3g}" for symbol, end in largest.items() if math.isfinite(end))])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE
+from pipeclamp_identification.campaign.clipping import FEWEST_ON_A_PLATEAU
 from pipeclamp_identification.campaign.records import NEEDED, Record, UnusableRecord
 from pipeclamp_identification.importing.samples.split import GAP_CYCLES, turns_of
 from pipeclamp_models.base.arrays import Array
@@ -55,7 +55,7 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
     """
     blank = {name: ~np.isfinite(values) for name, values in record.channels.items()}
     still = {name: _longest_plateau(record.channels[name]) for name in MOVING}
-    if not any(np.any(gone) for gone in blank.values()) and max(still.values()) < FEWEST_ALIKE:
+    if not any(np.any(gone) for gone in blank.values()) and max(still.values()) < FEWEST_ON_A_PLATEAU:
         return Whole(record, 0, len(record.time_s))
     cycle = _samples_of_cycle(on_lines(record.displacement_mm, blank["displacement_mm"]))
     told: tuple[str, ...] = ()
@@ -110,7 +110,7 @@ def _held(values: Array, other: Array, cycle: float) -> list[tuple[int, int]]:
         return []
     edges = np.concatenate([[0], np.flatnonzero(values[1:] != values[:-1]) + 1, [len(values)]])
     begins, ends = edges[:-1], edges[1:]
-    long = np.flatnonzero(ends - begins >= max(HELD_CYCLES * cycle, FEWEST_ALIKE))
+    long = np.flatnonzero(ends - begins >= max(HELD_CYCLES * cycle, FEWEST_ON_A_PLATEAU))
     if len(long) * cycle > MOST_HELD * len(values):
         return []
     if not len(long):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import COLUMNS
+from pipeclamp_identification.campaign.clipping import CHANNEL_COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import SensorFailure
 from pipeclamp_identification.campaign.records import Record
@@ -26,7 +26,7 @@ def without_clipped_cycles(record: Record, cycles: Cycles, failure: SensorFailur
     """
     if failure.fault != "clipped" or failure.size is None:
         raise failure
-    samples = getattr(record, COLUMNS[failure.channel])
+    samples = getattr(record, CHANNEL_COLUMNS[failure.channel])
     at = samples == failure.size
     clipped = [bool(np.any(at[begin:end])) for begin, end in zip(cycles.bounds[:-1], cycles.bounds[1:], strict=True)]
     rows = np.split(np.arange(cycles.count), np.flatnonzero(np.diff(np.array(clipped, dtype=np.int8)) != 0) + 1)
