@@ -11,8 +11,7 @@ from typing import Any, Protocol
 from cases import Case, Drawn, Measured, draw, further_runs, measure
 
 from pipeclamp_identification.campaign.reading import Campaign
-from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed as Diagnosed
-from pipeclamp_identification.diagnosis.diagnosed import diagnosed
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed, diagnosed
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
@@ -132,7 +131,7 @@ def judged(case: Case, seed: int) -> Outcome:
         most = 0 if case.kind == "narrow" else MOST_RUNGS
         end = follow(file, RecordTests(data.campaign), steps, partial(noted, data=data), most)
         added = tuple(one.name for one in structure_of(end.file).all_effects() if one.part != "base")
-        if isinstance(end.found, Diagnosed) and end.found.verdict == "ambiguous" and case.truth:
+        if isinstance(end.found, RecordDiagnosed) and end.found.verdict == "ambiguous" and case.truth:
             settled = after_proposed(drawn, data, end.file, end.found, tests)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
@@ -181,7 +180,7 @@ def follow(
     )  # fmt: skip
 
 
-def after_proposed(drawn: Drawn, data: Measured, file: LawFile, found: Diagnosed, tests: list[Tested]) -> str:
+def after_proposed(drawn: Drawn, data: Measured, file: LawFile, found: RecordDiagnosed, tests: list[Tested]) -> str:
     """Run the test that an ambiguous answer proposes, and one more where rivals are left; say how it ended.
 
     Args:
@@ -205,12 +204,12 @@ def after_proposed(drawn: Drawn, data: Measured, file: LawFile, found: Diagnosed
     return "right" if set(_ids(found)) <= drawn.case.truth else "wrong"
 
 
-def _ids(found: Diagnosed) -> tuple[str, ...]:
+def _ids(found: RecordDiagnosed) -> tuple[str, ...]:
     """Give the ids of what a diagnosis names: how many slip elements there are isn't asked."""
     return tuple(map(effect_id, found.effects))
 
 
-def noted(found: Diagnosed, file: LawFile, data: Measured) -> Step:
+def noted(found: RecordDiagnosed, file: LawFile, data: Measured) -> Step:
     """Note a diagnosis."""
     diagnosis = found.diagnosis
     return Step(
@@ -221,7 +220,7 @@ def noted(found: Diagnosed, file: LawFile, data: Measured) -> Step:
     )  # fmt: skip
 
 
-def _shown(found: Diagnosed) -> tuple[tuple[str, float, float, str], ...]:
+def _shown(found: RecordDiagnosed) -> tuple[tuple[str, float, float, str], ...]:
     """Give the best candidates as `Step` holds them."""
     return tuple(
         (
