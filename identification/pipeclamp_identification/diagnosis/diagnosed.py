@@ -100,10 +100,14 @@ class RecordDiagnosed:
 
     @property
     def other_parts(self) -> Mapping[str, float]:
-        """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
+        """Effects that take a part too, as `add` takes them, and how much of what what is named first takes.
+
+        Not those against which something speaks: what fits by a shape at its bounds stands for another one.
+        """
         diagnosis = self.diagnosis
         most = diagnosis.explained or 1.0
-        return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in diagnosis.found.others}
+        sound = (each for each in diagnosis.found.others if each.may_be_cause)
+        return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in sound}
 
     @property
     def calls_for_a_term(self) -> bool:

@@ -2,9 +2,11 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from pipeclamp_fmu import build
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.workflow import auto, change, climb
 from pipeclamp_models.law.step import BeforeAfter, LawStep
@@ -319,3 +321,16 @@ def test_another_way_begins_with_an_effect_that_the_end_lacks(monkeypatch):
     auto.add_until_settled(law(), tests, command="test", seen=lambda found, file: seen.append(file.effects))
     first, last = [(), ("oil_damper",), ("oil_damper", "memory")], ("oil_damper", "memory")
     assert seen == [*first, ("oil_damper", "slip_spread"), last]
+
+
+def test_no_other_way_is_climbed_by_what_something_speaks_against():
+    """At a measured friction device `bouc_wen` with two shapes at their bounds had been gone by, and `memory:2` not."""
+
+    def judged(effect, left, may_be_cause):
+        score = SimpleNamespace(mean_squares=np.full(4, left))
+        return SimpleNamespace(effects=(effect,), score=score, missing=4.0, may_be_cause=may_be_cause)
+
+    others = (judged("bouc_wen", 0.6, False), judged("memory:2", 0.7, True))
+    diagnosis = SimpleNamespace(law=judged("", 1.0, True), explained=0.5, found=SimpleNamespace(others=others))
+    parts = RecordDiagnosed.other_parts.fget(SimpleNamespace(diagnosis=diagnosis))
+    assert parts == {"memory:2": pytest.approx(0.6)}
