@@ -127,7 +127,7 @@ def find_cycles(record: Record) -> Cycles:
         bounds = _bounds(time, frequency, interval)
         if len(bounds) < 2:  # it lacks its last step, which may be longer than others
             bounds = np.array([0, len(time)], dtype=np.intp)
-    if len(bounds) < 2 and len(turning_points(y, np.full(len(y), TURN_BACK_SHARE * float(np.ptp(y))))) < 3:
+    if len(bounds) < 2 and len(_turns(y)) < 3:
         raise UnusableRecord(f"no full cycle: it goes from {y[0]:.4g} to {y[-1]:.4g} mm and never turns back")
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
@@ -135,6 +135,11 @@ def find_cycles(record: Record) -> Cycles:
     if fresh:
         bounds = bounds[1:]
     return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
+
+
+def _turns(y: Array) -> IntArray:
+    """Give the samples at which a motion turns by more than a trifle, its two ends included."""
+    return turning_points(y, np.full(len(y), TURN_BACK_SHARE * float(np.ptp(y))))
 
 
 def _closing_frequency(time: Array, y: Array, force: Array) -> float | None:
@@ -146,7 +151,7 @@ def _closing_frequency(time: Array, y: Array, force: Array) -> float | None:
     sample repeats the first or stands a step before it.
     """
     size = float(np.ptp(y))
-    turns = turning_points(y, np.full(len(y), TURN_BACK_SHARE * size))
+    turns = _turns(y)
     if len(turns) - 2 > 2:
         return None
     if abs(y[-1] - y[0]) <= STEADY_SHARE * size:
@@ -195,7 +200,7 @@ def _require_vibration(y: Array, frequency: float, rest: float) -> None:
     """Refuse a displacement that is nothing but noise or drift, in which some fundamental is always found."""
     if rest > 0.5:
         size = float(np.ptp(y))
-        turns = turning_points(y, np.full(len(y), TURN_BACK_SHARE * size))
+        turns = _turns(y)
         wanders = size > CLEAR_OF_NOISE * sample_noise(y) and len(turns) > 4
         what = "no sine in it" if wanders else "constant displacement but for noise or drift"
         raise UnusableRecord(

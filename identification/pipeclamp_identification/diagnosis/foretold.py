@@ -29,7 +29,7 @@ class Foretold:
 
 def foretold(judged: Judged, problem: Problem) -> Foretold:
     """Say how much a law errs on left-out (A, f) groups beyond scatter."""
-    return beyond_scatter(problem.beyond_scatter(judged.score), problem.groups, problem.loops.scatter_rms_N)
+    return beyond_scatter(problem.excess_squares(judged.score), problem.groups, problem.loops.scatter_rms_N)
 
 
 def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> Foretold:
@@ -61,8 +61,7 @@ MEASURE_OF_SHARES = "mean square beyond scatter, estimated for left-out conditio
 
 def explained_share(judged: Judged, law: Judged) -> float:
     """Give the share that a law takes of what the law as it is misses on left-out conditions (mean square)."""
-    gain = float((law.score.mean_squares - judged.score.mean_squares).sum())
-    return float(np.clip(gain / law.missing, 0.0, 1.0)) if law.missing > 0 else 0.0
+    return _gain_as_share(judged, law, law.missing)
 
 
 def share_of_error(judged: Judged, other: Judged) -> float:
@@ -70,8 +69,12 @@ def share_of_error(judged: Judged, other: Judged) -> float:
 
     What a law errs beyond scatter is no measure where that may be nothing.
     """
-    before, after = other.score.mean_squares.sum(), judged.score.mean_squares.sum()
-    return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
+    return _gain_as_share(judged, other, float(other.score.mean_squares.sum()))
+
+
+def _gain_as_share(judged: Judged, other: Judged, whole: float) -> float:
+    gain = float((other.score.mean_squares - judged.score.mean_squares).sum())
+    return float(np.clip(gain / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
 def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:

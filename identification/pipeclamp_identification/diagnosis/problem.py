@@ -116,7 +116,7 @@ class Problem:
         variance = np.where(self.noise.variance < UNSEEN_VARIANCE, self.noise.total_variance(), 0.0)
         return mean_squares_of(np.sqrt(variance))
 
-    def beyond_scatter(self, score: LeftOutScore) -> Array:
+    def excess_squares(self, score: LeftOutScore) -> Array:
         """Give the mean square of each run's error less what scatter makes of it, N2, shape (R,)."""
         return np.asarray(score.mean_squares - self.scatter_squares)
 
@@ -267,7 +267,7 @@ def judge(
     lack = lack_of_fit(
         against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.scatter_rms_N
     )
-    beyond = float(problem.beyond_scatter(score)[left_out].sum())
+    beyond = float(problem.excess_squares(score)[left_out].sum())
     missing = max(beyond, lack.excess * np.count_nonzero(left_out))
     further = {
         name: _share_of_force(without.score(groups), problem.loops, groups >= 0)
