@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import Foretold, explained_share, takes_part
+from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter, explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
@@ -59,7 +59,7 @@ def chance_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
     return f"{few}; repeat some of them three times each" if repeat else few
 
 
-def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
+def form_words(lack: LackOfFit, elsewhere: ErrorBeyondScatter, best: Judged | None, law: Judged) -> str:
     """Say that what is left passes for form: the best effect that takes some of it, and the error elsewhere."""
     asked = "no effect of the catalogue takes any of it"
     if best is not None:
@@ -71,7 +71,7 @@ def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: J
     )
 
 
-def foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
+def foretold_words(lack: LackOfFit, elsewhere: ErrorBeyondScatter) -> str:
     """Say that what is left is too much to pass for form, by the error on left-out conditions."""
     return (
         f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
