@@ -84,8 +84,8 @@ class Loop:
 
     @property
     def cycle(self) -> float:
-        """Return the load cycles that the specimen had seen at the middle."""
-        return float(np.mean(self.cycles))
+        """Return the load cycles that the specimen had seen, their geometric mean: what ages goes by their logarithm."""
+        return float(np.exp(np.mean(np.log(self.cycles))))
 
     @property
     def amplitude_mm(self) -> float:
@@ -102,14 +102,9 @@ class Loop:
         return self._in_parts(np.arange(len(self.cycles)))
 
     def by_stretch(self) -> Iterator[Loop]:
-        """Give the loops of stretches of its cycles, as long as one another by the logarithm of the cycles seen.
-
-        What changes with load cycles changes with their logarithm, or slowly beside the cycles of one record.
-        """
-        seen = np.log(self.cycles)
-        whole = seen[-1] - seen[0]
-        share = (seen - seen[0]) / whole if whole > 0 else np.zeros_like(seen)
-        return self._in_parts(np.minimum(STRETCHES * share, STRETCHES - 1).astype(np.intp))
+        """Give the loops of stretches of its cycles, about as long as one another."""
+        count = len(self.cycles)
+        return self._in_parts(np.arange(count) * min(STRETCHES, count) // count)
 
     def _in_parts(self, part: IntArray) -> Iterator[Loop]:
         """Give the loop of each part of its cycles; `part` is the number of each cycle's, (cycles,), rising."""

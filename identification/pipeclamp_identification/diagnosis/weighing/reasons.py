@@ -83,7 +83,7 @@ def foretold_words(lack: LackOfFit, elsewhere: ErrorBeyondScatter) -> str:
 def between_words(worst: LeftOutLevel) -> str:
     """Say that a law fits a level only when it is fitted to it, and what would tell more."""
     return (
-        f"the law fits the tests at {worst.condition} = {worst.level} {worst.unit}, but fitted to the others alone it "
+        f"the law fits the tests at {worst.condition} = {worst.level}, but fitted to the others alone it "
         f"foretells them {newtons(worst.rms)} ({worst.share:.2g} times the force noise) worse: it isn't to be trusted "
         f"between the levels tested; test at values of {worst.condition} in between"
     )
@@ -144,7 +144,7 @@ def _why_not(best: Judged, law: Judged, problem: Problem) -> str:
     elif not takes_part(best, law, problem):
         why = "some conditions gain, others lose"
     elif level := rests_on(best, law, problem):
-        at = f"{level.condition} = {level.label} {level.unit}"
+        at = f"{level.condition} = {level.label}"
         why = (
             f"most of that at {at}, and fitted to the other levels it takes none of it there: it isn't to be trusted "
             f"between the levels tested; test at values of {level.condition} in between"
