@@ -84,7 +84,7 @@ class Loop:
 
     @property
     def cycle(self) -> float:
-        """Return the load cycles that the specimen had seen, their geometric mean: what ages goes by their logarithm."""
+        """Return the load cycles that the specimen had seen, a geometric mean: what ages goes by their logarithm."""
         return float(np.exp(np.mean(np.log(self.cycles))))
 
     @property
