@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -118,6 +118,11 @@ class RefittedTerm:
         return self.judged.squares
 
     @property
+    def stands(self) -> bool:
+        """Whether nothing speaks against it as it is fitted."""
+        return not self.judged.objections
+
+    @property
     def parameters(self) -> int:
         """How many parameters the term has."""
         return len(self.term.declaration.parameters)
@@ -157,6 +162,7 @@ class Hearing:
         refitted: the terms that were fitted together with the law.
         bar: what they must better.
         gone: the effects in whose place they stand.
+        stopped: terms against which a bound speaks that they ran into, which a refined form may not.
     """
 
     evaluation: Evaluation
@@ -164,6 +170,7 @@ class Hearing:
     refitted: Sequence[RefittedTerm]
     bar: Hurdle
     gone: tuple[str, ...] = ()
+    stopped: Sequence[RefittedTerm] = ()
 
     @cached_property
     def screened(self) -> Screened:
@@ -230,6 +237,14 @@ def best_of(refitted: Sequence[RefittedTerm]) -> tuple[RefittedTerm, list[Refitt
         if not any(other.term.declaration.id in one.term.shorter for other in kept):
             kept.append(one)
     return best, sorted(kept[1:], key=lambda one: one.squares)
+
+
+def best_of_each(refitted: Iterable[RefittedTerm]) -> list[RefittedTerm]:
+    """Give of each term, which may be fitted from several starts, the fit that foretells best; the best term first."""
+    found: dict[str, RefittedTerm] = {}
+    for one in sorted(refitted, key=lambda one: one.squares):
+        found.setdefault(one.term.declaration.id, one)
+    return list(found.values())
 
 
 def refitted_of(judged: Judged, term: Term, evaluation: Evaluation) -> list[RefittedTerm]:
