@@ -33,7 +33,7 @@ from pipeclamp_identification.discovery.guards import (
     weighed_errors,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, best_of, screened_beside
+from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, best_of, best_of_each, screened_beside
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -247,6 +247,30 @@ def test_the_simplest_stands_for_terms_that_act_as_one():
     residual = 2 * shared + other
     found = screened_columns(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
     assert found.best_first(3) == [1, 2]
+
+
+def test_a_term_is_fitted_from_starts_that_differ():
+    """Of a step's four starts the two best lay in one valley: it was fitted from the best, and the other was missed."""
+    by_id = {term.declaration.id: term for term in terms(("T",), {})}
+    random = np.random.default_rng(0)
+    one, other, none = random.standard_normal((3, 8, 5))
+    columns = [
+        TermColumn(by_id[f"found_{name}"], {}, change, True)
+        for name, change in (
+            ("stiffness_step_t", none), ("stiffness_step_t", one + 0.1 * none), ("stiffness_step_t", one),
+            ("stiffness_step_t", other), ("saturating_spring", one),
+        )
+    ]  # fmt: skip
+    found = screened_columns(columns, 2 * one + other, random.standard_normal((8, 5, 2)), np.arange(8))
+    assert found.starts(2, 4)[:2] == [2, 3]
+    assert not {1, 4} & set(found.starts(2, 4))
+    assert found.starts(2, 1) == [2]
+
+
+def test_of_a_term_the_fit_that_foretells_best_stands():
+    term = next(iter(terms((), {})))
+    worse, better = (RefittedTerm(SimpleNamespace(squares=squares), term, None) for squares in (9.0, 4.0))
+    assert best_of_each([worse, better]) == [better]
 
 
 def test_a_term_shares_no_symbol_with_the_catalogue():
