@@ -193,9 +193,13 @@ class Hearing:
 
     @cached_property
     def explained(self) -> Array:
-        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
-        groups = self.evaluation.problem.groups
-        return np.array([screened_beside(one, groups).explained()[-1] for one in self.refitted])
+        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it.
+
+        No more than the law gains by it: what it does in the place of the law's own parameters, these do without it.
+        """
+        groups, without = self.evaluation.problem.groups, self.evaluation.law.squares
+        beside = [float(screened_beside(one, groups).explained()[-1]) for one in self.refitted]
+        return np.array([min(own, without - one.squares) for own, one in zip(beside, self.refitted, strict=True)])
 
     def alike(self, place: int) -> BoolArray:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""

@@ -33,7 +33,14 @@ from pipeclamp_identification.discovery.guards import (
     weighed_errors,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, best_of, best_of_each, screened_beside
+from pipeclamp_identification.discovery.hearing import (
+    Hearing,
+    RefittedTerm,
+    TermFound,
+    best_of,
+    best_of_each,
+    screened_beside,
+)
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -446,6 +453,19 @@ def test_what_a_term_explains_is_asked_where_the_law_was_fitted_with_it():
     lookalike = screened_columns([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
     assert lookalike.explained()[0] < 1e-6 * own  # the law alone, whose tangents do what the term does
     assert screened_beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
+
+
+def test_a_term_explains_no_more_than_the_law_gains_by_it():
+    """Where nothing was missing a peak over f stood for the law's own power of it, and "explained" 620 squares of 7."""
+    random = np.random.default_rng(4)
+    groups = np.repeat(np.arange(8), 3)
+    change, tangent, noise = random.standard_normal((3, 24, 5))
+    jacobian = np.stack([-tangent, -change, random.standard_normal((24, 5))], 2)
+    one = refitted(2.0, ("k", "F_x", "y_x"), jacobian, 0.1 * noise)
+    one.judged.squares = 93.0
+    for without, explained in ((100.0, 7.0), (90.0, -3.0), (1e6, screened_beside(one, groups).explained()[-1])):
+        law = SimpleNamespace(problem=SimpleNamespace(groups=groups), law=SimpleNamespace(squares=without))
+        assert Hearing(law, [], [one], None).explained == pytest.approx([explained])
 
 
 def test_a_term_whose_strength_ended_at_its_bound_explains_nothing():
