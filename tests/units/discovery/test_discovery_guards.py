@@ -348,6 +348,22 @@ def test_of_two_groups_one_that_gains_nothing_does_not_decide(monkeypatch):
     assert confirmed("before", "after", unseen, None).passed
 
 
+@pytest.mark.parametrize(
+    ("gains", "passed"),
+    [
+        ((9.0, 8.0, -0.6, -0.5, -0.4, -0.3, -0.4, -0.2), True),  # of a step, at the one level that lies within it
+        ((2.5, 2.0, -0.6, -0.5, -0.4, -0.3, -0.4, -0.2), False),  # so little may be luck
+        ((19.0, 18.0, -6.0, -5.0, -4.0, -3.0, -4.0, -2.0), False),  # others pay for it
+    ],
+)
+def test_what_gains_in_few_runs_is_confirmed_where_the_others_hardly_lose(gains, passed, monkeypatch):
+    """The right step took 1.96 to 0.82 % and was refused, for draws without the runs that lie in it told nothing."""
+    errors = {"before": np.full(8, 30.0), "after": 30.0 - np.array(gains)}
+    stand_in(monkeypatch, errors)
+    unseen = SimpleNamespace(samples=np.full(8, 100), force_rms_N=np.full(8, 10.0))
+    assert confirmed("before", "after", unseen, None).passed == passed
+
+
 def test_what_a_term_explains_itself_is_no_chance():
     """Turned, a large effect would be explained by chance as often as it is large: the threshold rose with it."""
     by_id = {term.declaration.id: term for term in terms(("A", "f", "T"), {})}
