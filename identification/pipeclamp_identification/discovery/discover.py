@@ -11,6 +11,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed, diagnosed
 from pipeclamp_identification.diagnosis.named import WITH, in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
+    VALLEYS,
     Contender,
     Judged,
     Problem,
@@ -30,9 +31,10 @@ from pipeclamp_identification.discovery.hearing import (
     RivalTerm,
     TermFound,
     best_of,
+    best_of_each,
     refitted_of,
 )
-from pipeclamp_identification.discovery.refining import Refining
+from pipeclamp_identification.discovery.refining import MOST_REFINED, Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.discovery.weights import weighed_as
@@ -227,15 +229,17 @@ def _asked(
     known = {column.term.declaration.id: column.term for column in columns}
 
     def together(contenders: Sequence[Contender]) -> list[RefittedTerm]:
-        judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
+        judged = judge_each(contenders, problem, jobs, progress)
         return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
 
-    refitted = together([_contender(law, scanned, place) for place in places])
-    refitted += together(_related(law, refitted, known))
+    # a term may fit best in another valley than the one that its best start lies in
+    fitted = together([_contender(law, scanned, start) for place in places for start in scanned.starts(place, VALLEYS)])
+    refitted, stopped = (best_of_each(one for one in fitted if one.stands == stands) for stands in (True, False))
+    refitted += [one for one in together(_related(law, refitted, known)) if one.stands]
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
-    hearing = Hearing(evaluation, columns, refitted, bar, gone)
+    hearing = Hearing(evaluation, columns, refitted, bar, gone, stopped=stopped[:MOST_REFINED])
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best

@@ -169,6 +169,9 @@ def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:
     that gains next to nothing would decide a quarter of the draws. Their errors are weighed as the fits weigh them, for
     the scatter of stiffness from run to run is large where the force is.
 
+    What follows a condition gains in few of the runs, and draws without these say nothing of it. Where all runs
+    together tell for the term by `RIVAL_LIKELIHOOD`, draws count against it that tell as clearly against it.
+
     Args:
         law: without the term, fitted to the others.
         found: with it, likewise.
@@ -179,7 +182,7 @@ def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:
     force = float(np.sum(unseen.samples * unseen.force_rms_N**2))
     shares = [np.sqrt(float(squares.sum()) / force) for squares in (before, after)]
     gain = np.subtract(*(weighed_errors(one, unseen, problem) for one in (law, found)))
-    better = share_of_gains(gain)
+    better = share_of_gains(gain, -RIVAL_LIKELIHOOD if gain.sum() > RIVAL_LIKELIHOOD else 0.0)
     falls = bool(after.sum() < before.sum() and gain.sum() > 0)
     passed = falls and better > BEYOND_DOUBT_DRAWS_SHARE
     words = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -118,6 +118,11 @@ class RefittedTerm:
         return self.judged.squares
 
     @property
+    def stands(self) -> bool:
+        """Whether nothing speaks against it as it is fitted."""
+        return not self.judged.objections
+
+    @property
     def parameters(self) -> int:
         """How many parameters the term has."""
         return len(self.term.declaration.parameters)
@@ -157,6 +162,7 @@ class Hearing:
         refitted: the terms that were fitted together with the law.
         bar: what they must better.
         gone: the effects in whose place they stand.
+        stopped: terms against which a bound speaks that they ran into, which a refined form may not.
     """
 
     evaluation: Evaluation
@@ -164,6 +170,7 @@ class Hearing:
     refitted: Sequence[RefittedTerm]
     bar: Hurdle
     gone: tuple[str, ...] = ()
+    stopped: Sequence[RefittedTerm] = ()
 
     @cached_property
     def screened(self) -> Screened:
@@ -186,9 +193,13 @@ class Hearing:
 
     @cached_property
     def explained(self) -> Array:
-        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
-        groups = self.evaluation.problem.groups
-        return np.array([screened_beside(one, groups).explained()[-1] for one in self.refitted])
+        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it.
+
+        No more than the law gains by it: what it does in the place of the law's own parameters, these do without it.
+        """
+        groups, without = self.evaluation.problem.groups, self.evaluation.law.squares
+        beside = [float(screened_beside(one, groups).explained()[-1]) for one in self.refitted]
+        return np.array([min(own, without - one.squares) for own, one in zip(beside, self.refitted, strict=True)])
 
     def alike(self, place: int) -> BoolArray:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
@@ -230,6 +241,14 @@ def best_of(refitted: Sequence[RefittedTerm]) -> tuple[RefittedTerm, list[Refitt
         if not any(other.term.declaration.id in one.term.shorter for other in kept):
             kept.append(one)
     return best, sorted(kept[1:], key=lambda one: one.squares)
+
+
+def best_of_each(refitted: Iterable[RefittedTerm]) -> list[RefittedTerm]:
+    """Give of each term, which may be fitted from several starts, the fit that foretells best; the best term first."""
+    found: dict[str, RefittedTerm] = {}
+    for one in sorted(refitted, key=lambda one: one.squares):
+        found.setdefault(one.term.declaration.id, one)
+    return list(found.values())
 
 
 def refitted_of(judged: Judged, term: Term, evaluation: Evaluation) -> list[RefittedTerm]:

@@ -18,12 +18,19 @@ from pipeclamp_identification.discovery.guards import (
     surely_better,
     surely_worse,
 )
-from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm, TermFound, best_of, refitted_of
+from pipeclamp_identification.discovery.hearing import (
+    Hearing,
+    RefittedTerm,
+    TermFound,
+    best_of,
+    best_of_each,
+    refitted_of,
+)
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.law import with_effect
+from pipeclamp_models.law.law import Structure, with_effect
 
 MOST_REFINED = 3
 """Terms, best first, of which refined forms are tried: what is missing may be a number of one that does worse."""
@@ -83,20 +90,20 @@ class Refining:
             return None
         shorter = [one for one in again if one is not plain]
         # what is new may be worth more than what a longer term has beyond a shorter one
-        forms: dict[str, Form] = {}
-        others = sorted((one for one in hearing.refitted if one is not plain), key=lambda one: one.squares)
+        others = [one for one in (*hearing.refitted, *hearing.stopped) if one is not plain]
+        others.sort(key=lambda one: one.squares)
         roomy = [one for one in (plain, *others) if one.parameters < MOST_PARAMETERS]
-        for one in (*roomy[:MOST_REFINED], *shorter):
-            forms |= {term.declaration.id: (term, starts) for term, starts in self._freed(one)}
-        for one in (plain, *shorter):
-            forms |= {term.declaration.id: (term, starts) for term, starts in _beside(one, hearing)}
+        forms = [form for one in (*roomy[:MOST_REFINED], *shorter) for form in self._freed(one)]
+        forms += [form for one in (plain, *shorter) for form in _beside(one, hearing)]
         structure = hearing.evaluation.law.result.law.structure
-        contenders = [
-            Contender((name,), with_effect(structure.with_declared([term.declaration]), name), starts)
-            for name, (term, starts) in forms.items()
+        contenders = [_contender(structure, form) for form in forms]
+        judged = judge_each(contenders, problem, self.jobs, self.progress)
+        fitted = [
+            each
+            for one, (term, _) in zip(judged, forms, strict=True)
+            for each in refitted_of(one, term, hearing.evaluation)
         ]
-        judged = [one for one in judge_each(contenders, problem, self.jobs, self.progress) if not one.objections]
-        tried = [each for one in judged for each in refitted_of(one, forms[one.effects[0]][0], hearing.evaluation)]
+        tried = best_of_each(one for one in fitted if one.stands)
         if not tried:
             return None
         best, rivals = best_of(tried)
@@ -113,6 +120,12 @@ class Refining:
         for term, starts in refinements(one.term, values, *self.varied):
             new = term.declaration.parameters[-1].symbol
             yield term, [{**values, new: start} for start in starts]
+
+
+def _contender(structure: Structure, form: Form) -> Contender:
+    term, starts = form
+    name = term.declaration.id
+    return Contender((name,), with_effect(structure.with_declared([term.declaration]), name), starts)
 
 
 def _beside(one: RefittedTerm, hearing: Hearing) -> Iterator[Form]:

@@ -125,6 +125,16 @@ class Screened:
                 chosen.append(place)
         return chosen
 
+    def starts(self, place: int, most: int) -> list[int]:
+        """Give a column, and others of its term, at other starts, that explain something: best first, none alike."""
+        explained = self.explained()
+        own = [at for at, column in enumerate(self.columns) if column.term == self.columns[place].term]
+        chosen = [place]
+        for start in sorted((at for at in own if explained[at] > 0), key=lambda at: -explained[at]):
+            if len(chosen) < most and not any(self.alike(other)[start] for other in chosen):
+                chosen.append(start)
+        return chosen
+
     def alike(self, place: int, least: float = ALIKE_CORRELATION) -> BoolArray:
         """Tell which columns act as one does, with this correlation at least, shape (C,)."""
         return np.asarray(np.abs(self.free.T @ self.free[:, place]) > least)

@@ -40,13 +40,16 @@ def weighed_by(
     evaluation = Evaluation(problem, law)
     first = sorted(hearing.refitted, key=lambda one: one.squares)[:MOST_WEIGHED]
     every = [*near, *(one for one in first if all(one is not other for other in near))]
-    judged = [weighed_as(one.judged, problem) for one in every]
-    fitted = [refitted_of(again, one.term, evaluation) for again, one in zip(judged, every, strict=True)]
+    fitted, stopped = (
+        [refitted_of(weighed_as(one.judged, problem), one.term, evaluation) for one in group]
+        for group in (every, hearing.stopped)
+    )
     bar = hearing.bar
     asked = law if not hearing.gone else weighed_as(bar.law, problem)
     heard = Hearing(
         evaluation, weighed_anew(hearing.columns, before, evaluation), [one for each in fitted for one in each],
         Hurdle(asked, [weighed_as(one, problem) for one in bar.listed], bar.unseen, bar.named), hearing.gone,
+        [one for each in stopped for one in each],
     )  # fmt: skip
     return heard, [one for each in fitted[: len(near)] for one in each]
 

@@ -33,7 +33,14 @@ from pipeclamp_identification.discovery.guards import (
     weighed_errors,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.hearing import RefittedTerm, TermFound, best_of, screened_beside
+from pipeclamp_identification.discovery.hearing import (
+    Hearing,
+    RefittedTerm,
+    TermFound,
+    best_of,
+    best_of_each,
+    screened_beside,
+)
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -249,6 +256,30 @@ def test_the_simplest_stands_for_terms_that_act_as_one():
     assert found.best_first(3) == [1, 2]
 
 
+def test_a_term_is_fitted_from_starts_that_differ():
+    """Of a step's four starts the two best lay in one valley: it was fitted from the best, and the other was missed."""
+    by_id = {term.declaration.id: term for term in terms(("T",), {})}
+    random = np.random.default_rng(0)
+    one, other, none = random.standard_normal((3, 8, 5))
+    columns = [
+        TermColumn(by_id[f"found_{name}"], {}, change, True)
+        for name, change in (
+            ("stiffness_step_t", none), ("stiffness_step_t", one + 0.1 * none), ("stiffness_step_t", one),
+            ("stiffness_step_t", other), ("saturating_spring", one),
+        )
+    ]  # fmt: skip
+    found = screened_columns(columns, 2 * one + other, random.standard_normal((8, 5, 2)), np.arange(8))
+    assert found.starts(2, 4)[:2] == [2, 3]
+    assert not {1, 4} & set(found.starts(2, 4))
+    assert found.starts(2, 1) == [2]
+
+
+def test_of_a_term_the_fit_that_foretells_best_stands():
+    term = next(iter(terms((), {})))
+    worse, better = (RefittedTerm(SimpleNamespace(squares=squares), term, None) for squares in (9.0, 4.0))
+    assert best_of_each([worse, better]) == [better]
+
+
 def test_a_term_shares_no_symbol_with_the_catalogue():
     """Any of its effects may stand in the law already, or join it later."""
     every = [term.declaration for term in terms(("A", "f", "T", "N"), {"current_A": 1.0})]
@@ -315,6 +346,22 @@ def test_of_two_groups_one_that_gains_nothing_does_not_decide(monkeypatch):
     stand_in(monkeypatch, errors)
     unseen = SimpleNamespace(samples=np.full(8, 100), force_rms_N=np.full(8, 10.0))
     assert confirmed("before", "after", unseen, None).passed
+
+
+@pytest.mark.parametrize(
+    ("gains", "passed"),
+    [
+        ((9.0, 8.0, -0.6, -0.5, -0.4, -0.3, -0.4, -0.2), True),  # of a step, at the one level that lies within it
+        ((2.5, 2.0, -0.6, -0.5, -0.4, -0.3, -0.4, -0.2), False),  # so little may be luck
+        ((19.0, 18.0, -6.0, -5.0, -4.0, -3.0, -4.0, -2.0), False),  # others pay for it
+    ],
+)
+def test_what_gains_in_few_runs_is_confirmed_where_the_others_hardly_lose(gains, passed, monkeypatch):
+    """The right step took 1.96 to 0.82 % and was refused, for draws without the runs that lie in it told nothing."""
+    errors = {"before": np.full(8, 30.0), "after": 30.0 - np.array(gains)}
+    stand_in(monkeypatch, errors)
+    unseen = SimpleNamespace(samples=np.full(8, 100), force_rms_N=np.full(8, 10.0))
+    assert confirmed("before", "after", unseen, None).passed == passed
 
 
 def test_what_a_term_explains_itself_is_no_chance():
@@ -422,6 +469,19 @@ def test_what_a_term_explains_is_asked_where_the_law_was_fitted_with_it():
     lookalike = screened_columns([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
     assert lookalike.explained()[0] < 1e-6 * own  # the law alone, whose tangents do what the term does
     assert screened_beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
+
+
+def test_a_term_explains_no_more_than_the_law_gains_by_it():
+    """Where nothing was missing a peak over f stood for the law's own power of it, and "explained" 620 squares of 7."""
+    random = np.random.default_rng(4)
+    groups = np.repeat(np.arange(8), 3)
+    change, tangent, noise = random.standard_normal((3, 24, 5))
+    jacobian = np.stack([-tangent, -change, random.standard_normal((24, 5))], 2)
+    one = refitted(2.0, ("k", "F_x", "y_x"), jacobian, 0.1 * noise)
+    one.judged.squares = 93.0
+    for without, explained in ((100.0, 7.0), (90.0, -3.0), (1e6, screened_beside(one, groups).explained()[-1])):
+        law = SimpleNamespace(problem=SimpleNamespace(groups=groups), law=SimpleNamespace(squares=without))
+        assert Hearing(law, [], [one], None).explained == pytest.approx([explained])
 
 
 def test_a_term_whose_strength_ended_at_its_bound_explains_nothing():

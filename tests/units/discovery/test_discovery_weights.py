@@ -1,5 +1,7 @@
 """The tests are weighed again by the best term so far, and a refined form may be that of a term that did worse."""
 
+from dataclasses import replace
+
 import pytest
 
 from pipeclamp_identification.campaign import rig
@@ -81,3 +83,14 @@ def test_forms_of_a_term_that_does_worse_are_tried_too(hearing, monkeypatch):
     monkeypatch.setattr(refining, "may_join", lambda one, other: False)
     assert Refining((("A", "f"), {}), 1, lambda words: None)._one_more(square, hearing) is None
     assert asked == [SQUARE, LINEAR, ELSE]
+
+
+def test_forms_of_a_term_that_a_bound_stops_are_tried_too(hearing, monkeypatch):
+    """A step that is as sharp as it may be may be wider, and lie elsewhere at each frequency: not tried before."""
+    square, linear, _ = hearing.refitted
+    asked = []
+    monkeypatch.setattr(refining, "refinements", lambda term, *given: asked.append(term.declaration.id) or iter(()))
+    monkeypatch.setattr(refining, "may_join", lambda one, other: False)
+    stopped = replace(hearing, refitted=[square], stopped=[linear])
+    assert Refining((("A", "f"), {}), 1, lambda words: None)._one_more(square, stopped) is None
+    assert asked == [SQUARE, LINEAR]
