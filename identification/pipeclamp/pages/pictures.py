@@ -101,7 +101,11 @@ def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go
     figure = go.Figure(
         [
             go.Scatter(
-                x=_closed(y), y=_closed(force), mode="lines", name=name, line={"color": _shade(index, len(loops))}
+                x=_closed(y),
+                y=_closed(force),
+                mode="lines",
+                name=name,
+                line={"color": shade(index / max(len(loops) - 1, 1))},
             )
             for index, (name, y, force) in enumerate(loops)
         ]
@@ -110,12 +114,11 @@ def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go
     return styled(figure, title)
 
 
-def _shade(index: int, count: int) -> str:
-    """Give a colour from blue by purple to red: neighbouring conditions get neighbouring colours.
+def shade(share: float) -> str:
+    """Give a colour from blue (0) by purple to red (1): neighbouring conditions get neighbouring colours.
 
     None is as light as yellow or green, which a white page swallows, or as dark as a dark page.
     """
-    share = index / max(count - 1, 1)
     return f"hsl({210 + 150 * share:.0f}, 70%, 57%)"
 
 

@@ -61,6 +61,11 @@ class MetricRun:
         """Loss factor, eta = dW/(2 pi W), Eq. 6."""
         return self.dissipated_energy_J / (2 * math.pi * self.max_elastic_energy_J)
 
+    @property
+    def loss_angle(self) -> float:
+        """Angle in rad by which the force of a sine leads the displacement, sin(delta) = eta; nan of a fuller loop."""
+        return math.asin(self.loss_factor) if self.loss_factor <= 1 else math.nan
+
 
 @dataclass(frozen=True)
 class MetricCampaign:

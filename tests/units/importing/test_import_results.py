@@ -117,7 +117,7 @@ def test_results_beside_records_are_left_out_by_name(tmp_path):
     with pytest.raises(UserError, match=r"sweep.txt: holds results, a row a test \('f \[Hz\]' from 0.5 to 64\)"):
         pc.import_files(files, tmp_path / "c")
     assert len(pc.import_files(files, tmp_path / "c", skip_unusable=True).to_dict()["runs"]) == 1
-    with pytest.raises(UserError, match="exists already, and results join no campaign"):
+    with pytest.raises(UserError, match="holds records of tests, which results don't join"):
         pc.import_files(analyser(tmp_path / "again.txt", scale=2.0), tmp_path / "c")
 
 
