@@ -22,7 +22,10 @@ MOST_NAMED = 12
 """Curves that a legend names; more are told by a scale of colours."""
 PANEL_WIDTH = 300
 PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 330, 250
-LEGEND_HEIGHT = 70
+LEGEND_LINE = 29
+"""px of names in a legend."""
+NAMES_BESIDE = 4
+"""Names that surely stand beside each other."""
 WIDE_RANGE = 8.0
 """Ratio of the largest to the smallest from which on an axis goes in decades."""
 MOST_FINE_DECADES = 1.7
@@ -111,7 +114,9 @@ def _panels(campaign: MetricCampaign, measures: Sequence[Measure], sweep: Sweep,
         figure.update_xaxes(title_text=axis_of_quantity(sweep.quantity), **axis, **place)
         axis = _decades(measure.values) if measure in in_decades else {"rangemode": "tozero"}
         figure.update_yaxes(title_text=measure.axis, **axis, **place)
-    legend = LEGEND_HEIGHT if scale is None and len(sweep.curves) > 1 else 0
+    named = len(sweep.curves) if scale is None and len(sweep.curves) > 1 else 0
+    # in a narrow window names stand below each other
+    legend = LEGEND_LINE * (named if columns == 1 else math.ceil(named / NAMES_BESIDE))
     height = 90 + legend + rows * (PANEL_HEIGHT if columns > 1 else NARROW_PANEL_HEIGHT)
     figure = styled(figure, "", height=height, least_width=PANEL_WIDTH * columns)
     figure.update_layout(margin={"t": 30, "b": 50 + legend})

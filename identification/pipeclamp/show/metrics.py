@@ -19,20 +19,24 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.units import CELSIUS
 
+MOST_SHOWN = 60
+"""Runs that a terminal shows; thousands would only scroll by."""
 
-def metric_table(campaign: MetricCampaign) -> Table:
-    """Give a campaign of metrics as a table."""
+
+def metric_table(campaign: MetricCampaign, most: int | None = None) -> Table:
+    """Give a campaign of metrics as a table, or the first `most` runs of it."""
     rows = [
         (
             run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.dissipated_energy_J,
             run.max_elastic_energy_J, run.loss_factor, run.stiffness,
         )
-        for run in campaign.runs
+        for run in campaign.runs[:most]
     ]  # fmt: skip
+    more = f"; the first {len(rows)} of {len(campaign.runs)} runs" if len(rows) < len(campaign.runs) else ""
     return Table(
         ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "W / J", "eta", "k / N/mm"),
         rows,
-        "Jiang et al. 2020, Eq. 1-6, as stated",
+        f"Jiang et al. 2020, Eq. 1-6, as stated{more}",
     )
 
 
@@ -186,4 +190,4 @@ def metrics_view(campaign: Campaign, loops: Loops) -> View:
 def metric_rows_view(campaign: MetricCampaign) -> View:
     """Tell metrics that were stated without records."""
     lines = (metric_campaign_words(campaign), f"They are known by metrics alone, without records. {MEANINGS_STATED}")
-    return View(metric_rows_answer(campaign), [metric_table(campaign)], lines)
+    return View(metric_rows_answer(campaign), [metric_table(campaign, MOST_SHOWN)], lines)

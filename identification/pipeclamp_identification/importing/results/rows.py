@@ -21,6 +21,7 @@ from pipeclamp_identification.importing.results.quantities import (
     quantity_of,
     turned,
 )
+from pipeclamp_identification.importing.results.recognised import without_units
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -84,6 +85,13 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
         UserError: what is needed isn't there, or several columns may be it.
     """
     columns = _columns(table, stated)
+    bare = {one: channel for one, channel in without_units(table).items() if one not in columns}
+    if bare:
+        choices = [f"{one}={channel.heading} [{TARGETS[one]}]" for one, channel in bare.items() if TARGETS[one]]
+        raise UserError(
+            "holds results, a row a test, of which no units are stated; expected them, for example (check it):\n  "
+            f"{columns_option([*map(_option, stated), *choices])}"
+        )
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
             raise UserError(
@@ -115,6 +123,11 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     ]
     unused = tuple(one.heading for one in table.channels if one.heading not in headings)
     return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
+
+
+def _option(stated: Stated) -> str:
+    """Give what was stated of a channel, as it is stated."""
+    return f"{stated.ours}={'-' if stated.reversed else ''}{stated.channel}"
 
 
 def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColumn]:

@@ -56,7 +56,7 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
         UnusableFileError: it holds no results.
         UserError: what a column is, is open, or its name doesn't follow the pattern.
     """
-    tables = [table for table in source.tables if frequency_of_results(table)]
+    tables = [table for table in source.tables if frequency_of_results(table, options.columns)]
     if not tables:
         raise UnusableFileError(
             str(source.path), "holds no results, a row a test with its frequency",
@@ -88,7 +88,8 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
             for one in found.columns
         }  # fmt: skip
         told += [*found.notes, *left_out_words(found.left_out, table.length)]
-        told += [f"{one.words()}; such cells count as blank" for one in table.unread]
+        unread = [one for one in table.unread if not (one.is_whole and names_specimen(one.name))]
+        told += [f"{one.words()}; such cells count as blank" for one in unread]
         if found.unused:
             told.append(f"not used: {listed([*map(repr, found.unused)])}")
         if table.above and "temperature_C" not in stated and "temperature" not in columns:
