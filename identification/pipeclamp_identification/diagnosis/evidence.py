@@ -57,7 +57,7 @@ class LackOfFit:
         p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
             alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
-        sure_share: the same, less what scatter may have added to it by chance.
+        sure_share: the same, less what scatter may have added to it by chance; at least what no run can differ by.
         most_share: the same, with what scatter may have taken from it by chance.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
             small. Of the mean force only what scatter can't have made, in the shares too.
@@ -113,20 +113,38 @@ def lack_of_fit(
     alone = stats.f.sf(explained / wanted, wanted, told_by)
     p_values.append(min(1.0, channels * float(alone.min())))
     p_values.append(_least_likely(directed, fitted.residual, flat, free))
-    by_channel = (np.sum((smooth.T @ np.where(seen, plain, 0.0)) ** 2, axis=0) - expected) / runs
+    by_channel, chance = _above_scatter(np.where(seen, plain, 0.0), expected, smooth, wanted)
+    # What runs can't differ by is no scatter, however large that is.
+    own = leverage @ np.where(seen, noise.noise_and_mean(), 0.0) * freedoms / smooth.shape[1]
+    by_form, chance_of_form = _above_scatter(np.where(seen, noise.no_scatter(plain), 0.0), own, smooth, wanted)
+    excess = _mean_and_loop(by_channel)
+    least = np.maximum(excess - chance, _mean_and_loop(by_form) - chance_of_form)
+    share, sure_share, most_share = (
+        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, least, excess + chance)
+    )
+    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, most_share, by_channel)
+
+
+def _above_scatter(plain: Array, expected: Array, smooth: Array, freedoms: Array) -> tuple[Array, Array]:
+    """Give what follows the conditions above what scatter makes of it, mean squares in N2.
+
+    Args:
+        plain: residuals, N, shape (R, m).
+        expected: squares that scatter makes of each harmonic part, N2, shape (m,).
+        smooth: orthonormal functions of the conditions, shape (R, q).
+        freedoms: squares of which each of these is a sum, shape (m,).
+
+    Returns:
+        by harmonic part, shape (m,), and what chance may have added, of the mean force and of all others, shape (2,).
+    """
+    by_channel = (np.sum((smooth.T @ plain) ** 2, axis=0) - expected) / len(plain)
+    error = expected * np.sqrt(2 / freedoms) / len(plain)
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
-    # Of a sum of as many squares as there are freedoms.
-    error = expected * np.sqrt(2 / wanted) / runs
     error[1:] /= 2
     # Mean forces may scatter by more than a loop's noise: of them counts what scatter can't have made.
     by_channel[0] = max(by_channel[0] - CHANCE_STANDARD_ERRORS * error[0], min(by_channel[0], 0.0))
-    excess = _mean_and_loop(by_channel)
-    chance = np.array([0.0, CHANCE_STANDARD_ERRORS * np.linalg.norm(error[1:])])
-    share, sure_share, most_share = (
-        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, excess - chance, excess + chance)
-    )
-    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, most_share, by_channel)
+    return by_channel, np.array([0.0, CHANCE_STANDARD_ERRORS * np.linalg.norm(error[1:])])
 
 
 def _mean_and_loop(by_channel: Array) -> Array:

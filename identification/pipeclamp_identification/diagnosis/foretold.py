@@ -13,7 +13,7 @@ from pipeclamp_models.base.arrays import Array, IntArray
 
 
 @dataclass(frozen=True)
-class Foretold:
+class ErrorBeyondScatter:
     """A law's error on left-out groups.
 
     Attributes:
@@ -27,12 +27,12 @@ class Foretold:
     sure_share: float
 
 
-def foretold(judged: Judged, problem: Problem) -> Foretold:
+def foretold(judged: Judged, problem: Problem) -> ErrorBeyondScatter:
     """Say how much a law errs on left-out (A, f) groups beyond scatter."""
     return beyond_scatter(problem.excess_squares(judged.score), problem.groups, problem.loops.scatter_rms_N)
 
 
-def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> Foretold:
+def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> ErrorBeyondScatter:
     """Say how large an error is of which each run shows this much.
 
     Args:
@@ -42,7 +42,7 @@ def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> Foretol
     """
     left_out = groups >= 0
     if not left_out.any():
-        return Foretold(0.0, 0.0, 0.0)
+        return ErrorBeyondScatter(0.0, 0.0, 0.0)
     total = np.bincount(groups[left_out], weights=excess[left_out])
     runs = np.bincount(groups[left_out]).astype(np.float64)
     drawn = draws(len(total))
@@ -52,7 +52,7 @@ def beyond_scatter(excess: Array, groups: IntArray, noise_rms: Array) -> Foretol
     rms, share, sure_share = (
         float(np.sqrt(max(square, 0.0))) for square in (mean, mean / noise, min(least, mean) / noise)
     )
-    return Foretold(rms, share, sure_share)
+    return ErrorBeyondScatter(rms, share, sure_share)
 
 
 MEASURE_OF_SHARES = "mean square beyond scatter, estimated for left-out conditions"

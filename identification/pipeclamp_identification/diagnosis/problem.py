@@ -29,7 +29,7 @@ from pipeclamp_identification.fitting.observations import (
     points_enough,
 )
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
-from pipeclamp_identification.loops.loops import Loops, per_cycle
+from pipeclamp_identification.loops.loops import Loops, by_stretch
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
@@ -55,7 +55,7 @@ class Problem:
     """The data of a diagnosis.
 
     Attributes:
-        loops: one row a run; one a run and cycle where the law, or the stiffness, changes along the cycles.
+        loops: one row a run; one a run and stretch of cycles where the law, or the stiffness, changes along them.
         harmonics: the same, as they were measured.
         few: the same for rough fits, whose laws are evaluated at few points of the cycle: as the law as it is shows
             them there. A jump of force between two of few points is no physics, and can be many times the noise.
@@ -188,7 +188,7 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
         loops: the tests.
         start: values to start from, by name, where they are known.
     """
-    loops = per_cycle(loops) if ages(structure.equations) or drifts(loops) else loops
+    loops = by_stretch(loops) if ages(structure.equations) or drifts(loops) else loops
     harmonics = loop_observations(loops, points_enough(loops))
     first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
     factors = factors_of(first.groups, loops, harmonics)

@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misf
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
 from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
-from pipeclamp_identification.loops.loops import PRELOADED, Loops, loops_of, per_cycle
+from pipeclamp_identification.loops.loops import PRELOADED, Loops, by_stretch, loops_of
 from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
@@ -135,16 +135,15 @@ def fit_structure(
 ) -> Fit:
     """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
 
-    Effects that change from cycle to cycle are fitted to every cycle by itself. Laws with states are led near at fewer
-    points of the cycle.
+    Effects that change from cycle to cycle are fitted to stretches of each record. Laws with states are led near at
+    fewer points of the cycle.
 
     Raises:
         UserError: the data can't serve the structure.
     """
     equations = structure.equations
-    if ages(equations) and any(len(cycles) > 1 for cycles in loops.cycles):
-        loops = per_cycle(loops)
-        observations = None
+    if ages(equations) and len((parted := by_stretch(loops)).run) > len(loops.run):
+        loops, observations = parted, None
     observations = observations or loop_observations(loops)
     from_surfaces = surface_values(structure, loops)
     if method == "surfaces":

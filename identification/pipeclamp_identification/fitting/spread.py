@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.least_squares import Fit
 from pipeclamp_identification.fitting.local_form import local_form
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
-from pipeclamp_identification.loops.loops import Loops, per_cycle
+from pipeclamp_identification.loops.loops import Loops, by_stretch
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.file import Foretold, Shares, Spread
@@ -47,8 +47,8 @@ def spread_of(fit: Fit, loops: Loops, observations: LoopObservations) -> Spread 
         loops: the tests, one row a run.
         observations: the same, as observations.
     """
-    if len(fit.law_force.force) != len(loops.run):  # what ages was fitted cycle by cycle
-        loops = per_cycle(loops)
+    if len(fit.law_force.force) != len(loops.run):  # what ages was fitted in stretches of cycles
+        loops = by_stretch(loops)
         observations = loop_observations(loops)
     groups = condition_groups(loops)
     if groups.max() == 0 or not fit.fitted:

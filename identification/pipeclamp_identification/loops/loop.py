@@ -31,13 +31,15 @@ SIGNIFICANT_STANDARD_ERRORS = 3.0
 FINEST_SHARE = 1e-5
 """No force is known better than this share of its rms, whatever a noise-free record says; much less, and what aliases
 into the harmonics of a noise-free record would count as evidence."""
+STRETCHES = 3
+"""Of a record's cycles: as few as show whether what changes along them bends."""
 LEAST_GAIN = 0.3
 """Harmonics of the displacement of which a moving average left less than this are lost."""
 
 
 @dataclass(frozen=True)
 class Loop:
-    """The loop of one run, or of one of its cycles; H harmonics.
+    """The loop of one run, of one of its cycles, or of a stretch of them; H harmonics.
 
     x(theta) = Re sum X_n exp(i n theta) with theta = 2 pi f t + phase such that displacement[1] = A is real and
     positive, so that the real parts of the force are in phase with the displacement. X_0 is the mean.
@@ -82,8 +84,8 @@ class Loop:
 
     @property
     def cycle(self) -> float:
-        """Return the load cycles that the specimen had seen at the middle."""
-        return float(np.mean(self.cycles))
+        """Return the load cycles that the specimen had seen, a geometric mean: what ages goes by their logarithm."""
+        return float(np.exp(np.mean(np.log(self.cycles))))
 
     @property
     def amplitude_mm(self) -> float:
@@ -97,22 +99,33 @@ class Loop:
 
     def by_cycle(self) -> Iterator[Loop]:
         """Give the loop of each of its cycles; standard errors are those of a single cycle."""
+        return self._in_parts(np.arange(len(self.cycles)))
+
+    def by_stretch(self) -> Iterator[Loop]:
+        """Give the loops of stretches of its cycles, about as long as one another."""
+        count = len(self.cycles)
+        return self._in_parts(np.arange(count) * min(STRETCHES, count) // count)
+
+    def _in_parts(self, part: IntArray) -> Iterator[Loop]:
+        """Give the loop of each part of its cycles; `part` is the number of each cycle's, (cycles,), rising."""
         count = len(self.cycles)
         displacement = self.displacement_per_cycle * (self.displacement != 0)
         # each cycle begins where the phase within the cycle falls back
-        starts = [0, *(np.flatnonzero(np.diff(self.phases) < -np.pi) + 1).tolist(), len(self.phases)]
-        for index, (first, last) in enumerate(itertools.pairwise(starts)):
+        starts = np.array([0, *(np.flatnonzero(np.diff(self.phases) < -np.pi) + 1).tolist(), len(self.phases)])
+        edges = [0, *(np.flatnonzero(np.diff(part)) + 1).tolist(), count]
+        for first, last in itertools.pairwise(edges):
+            own, samples = slice(first, last), starts[[first, last]].tolist()
             yield replace(
                 self,
-                displacement=displacement[index],
-                force=self.force_per_cycle[index],
-                force_standard_error=self.force_standard_error * np.sqrt(count),
-                samples=self.samples / count,
-                cycles=self.cycles[index : index + 1],
-                displacement_per_cycle=displacement[index : index + 1],
-                force_per_cycle=self.force_per_cycle[index : index + 1],
-                phases=self.phases[first:last],
-                at_reversals=self.at_reversals.within(first, last),
+                displacement=displacement[own].mean(axis=0),
+                force=self.force_per_cycle[own].mean(axis=0),
+                force_standard_error=self.force_standard_error * np.sqrt(count / (last - first)),
+                samples=self.samples * (last - first) / count,
+                cycles=self.cycles[own],
+                displacement_per_cycle=displacement[own],
+                force_per_cycle=self.force_per_cycle[own],
+                phases=self.phases[slice(*samples)],
+                at_reversals=self.at_reversals.within(*samples),
             )
 
 

@@ -143,6 +143,21 @@ def per_cycle(loops: Loops) -> Loops:
     return Loops(cycles, loops.force_average, loops.time_measured)
 
 
+def by_stretch(loops: Loops) -> Loops:
+    """Return loops with up to three rows a run, each of a stretch of its cycles, for what changes along a record.
+
+    Args:
+        loops: one row per run; loops that are in stretches already stay as they are.
+
+    Returns:
+        One row a stretch, the runs' stretches one after another; standard errors are those of their own cycles.
+    """
+    if len(np.unique(loops.run)) < len(loops.run):
+        return loops
+    stretches = tuple(stretch for row in loops.rows for stretch in row.by_stretch())
+    return Loops(stretches, loops.force_average, loops.time_measured)
+
+
 def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:
     """Return x, or its derivative by theta, at theta_j = 2 pi j/count.
 

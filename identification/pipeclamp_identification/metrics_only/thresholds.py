@@ -14,7 +14,7 @@ REAL_CHANCE = 0.05
 was tried."""
 GREATER_PART_SHARE = 0.5
 """An effect is named when it alone gains this share of what the richest law gains: not one patch of many."""
-HALF_TAKEN_SHARE = 0.5
+PAIR_TAKES_SHARE = 0.5
 """Two effects are named together when they take this share, or more, of what the best one alone would leave."""
 HOPELESS_CHANCE = 0.5
 """An effect whose gain scatter makes in this share of all cases isn't weighed further."""

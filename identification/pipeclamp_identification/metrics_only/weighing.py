@@ -20,7 +20,7 @@ from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, Me
 from pipeclamp_identification.metrics_only.thresholds import (
     FEWEST_FREEDOMS,
     GREATER_PART_SHARE,
-    HALF_TAKEN_SHARE,
+    PAIR_TAKES_SHARE,
     REAL_CHANCE,
     RIVAL_LIKELIHOOD,
 )
@@ -152,7 +152,7 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> Me
     left = float(scales.heldout(by_itself).sum())
     both = [
         each for each in both
-        if scales.heldout(each).sum() <= (1 - HALF_TAKEN_SHARE) * left and each.score < by_itself.score
+        if scales.heldout(each).sum() <= (1 - PAIR_TAKES_SHARE) * left and each.score < by_itself.score
     ]  # fmt: skip
     taking = both or alone
     if not taking:
@@ -193,12 +193,12 @@ def _outdoes(pair: MetricJudged, alone: MetricJudged | None, scales: MetricScale
     whole = scales.law.squares - min(scales.richest.squares, pair.squares)
     by_itself = scales.law.squares - alone.squares if alone else 0.0
     together = scales.law.squares - pair.squares
-    return together - by_itself >= HALF_TAKEN_SHARE * (whole - by_itself)
+    return together - by_itself >= PAIR_TAKES_SHARE * (whole - by_itself)
 
 
 def outdoes_in_fit(pair: MetricJudged, alone: MetricJudged) -> bool:
     """Tell whether two effects together leave half, or less, of what one alone does, and are clearly likelier."""
-    return pair.squares <= (1 - HALF_TAKEN_SHARE) * alone.squares and _clearly_likelier(pair, alone)
+    return pair.squares <= (1 - PAIR_TAKES_SHARE) * alone.squares and _clearly_likelier(pair, alone)
 
 
 def _clearly_likelier(pair: MetricJudged, alone: MetricJudged) -> bool:

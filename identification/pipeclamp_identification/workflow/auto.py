@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
-from pipeclamp_identification.workflow.climb import Climber, Place, Rung, Settled, Turn
+from pipeclamp_identification.workflow.climb import Climber, Fork, Place, Rung, Settled
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -59,23 +59,23 @@ def add_until_settled(
     way = climber.climb(Place(file))
     assert way.settled is not None  # no other way came before
     first = way.settled
-    turn = _turn_worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else None
-    if turn is None:
+    fork = _fork_worth_climbing(way.forks, first.file) if first.found.verdict == "unknown" else None
+    if fork is None:
         return first
-    progress(f"another way: {turn.effect} in place of {turn.taken}")
-    other = climber.climb_from(turn, first.heldout, way.met).settled
+    progress(f"another way: {fork.effect} in place of {fork.taken}")
+    other = climber.climb_from(fork, first.heldout, way.met).settled
     best = other if other and _ends_better(other, first) else first
     seen(best.found, best.file)
     return best
 
 
-def _turn_worth_climbing(turns: Sequence[Turn], end: LawFile) -> Turn | None:
-    """Give the turn whose other effect comes nearest to what was taken; None where none is near.
+def _fork_worth_climbing(forks: Sequence[Fork], end: LawFile) -> Fork | None:
+    """Give the fork whose other effect comes nearest to what was taken; None where none is near.
 
     One that the end has all the same comes last: with it first, the way takes much the same in another order.
     """
-    near = [turn for turn in turns if turn.share >= OTHER_WAY_SHARE]
-    return min(near, key=lambda turn: (turn.effect in end.effects, -turn.share), default=None)
+    near = [fork for fork in forks if fork.share >= OTHER_WAY_SHARE]
+    return min(near, key=lambda fork: (fork.effect in end.effects, -fork.share), default=None)
 
 
 def _ends_better(other: Settled, best: Settled) -> bool:

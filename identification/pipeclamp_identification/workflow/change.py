@@ -11,7 +11,7 @@ from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, law_of, stage_of, structure_of
+from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, former_law_of, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import BeforeAfter, LawStep
@@ -194,7 +194,7 @@ def _changed(
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, provenance=provenance)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse.before)),)
-    left = {"refitted_nrmse": rounded(done.heldout.before), "stage": stage_of(file)}
+    left = {"refitted_nrmse": rounded(done.heldout.before), "stage": former_law_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))
     last = HistoryStep(
         step=str(step), kind=kind, nrmse=rounded(done.nrmse.after), refitted_nrmse=rounded(done.heldout.after)

@@ -121,7 +121,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Turn:
+class Fork:
     """A place on the way where another effect takes a part too.
 
     Attributes:
@@ -143,12 +143,12 @@ class WayUp:
 
     Attributes:
         settled: where it ended; None where it came to a law that another way had come by, and so would end like that.
-        turns: where it could have gone another way.
+        forks: where it could have gone another way.
         met: the laws that it came by.
     """
 
     settled: Settled | None
-    turns: tuple[Turn, ...]
+    forks: tuple[Fork, ...]
     met: frozenset[MadeOf]
 
 
@@ -173,11 +173,11 @@ class Climber:
             place: where to begin.
             before: laws that other ways came by.
         """
-        turns: tuple[Turn, ...] = ()
+        forks: tuple[Fork, ...] = ()
         met: frozenset[MadeOf] = frozenset()
         while True:
             if place.made_of in before:
-                return WayUp(None, turns, met)
+                return WayUp(None, forks, met)
             met |= {place.made_of}
             if place.ladder:
                 self.climbed(place.file, place.ladder)
@@ -192,13 +192,13 @@ class Climber:
                 whole = found.verdict == "complete" and len(place.ladder) < self.most
                 simpler = self._with_something_simpler(place.file) if whole else None
                 if simpler is None:
-                    return WayUp(Settled(place.file, found, place.ladder, went), turns, met)
+                    return WayUp(Settled(place.file, found, place.ladder, went), forks, met)
                 place = place.after(simpler)
                 continue
             tried = self._until_one_helps(place, found)
             if tried and helps(tried[-1]):
                 self.seen(found, place.file)
-                turns = (*turns, *_turns(place, found, tried[-1][0].step.effect))
+                forks = (*forks, *_forks(place, found, tried[-1][0].step.effect))
                 place = place.after(*_rungs(found, tried))
                 name = having = tried[-1][-1].step.effect
             else:
@@ -207,26 +207,26 @@ class Climber:
                 self.seen(found, place.file)
                 rung = self._with_something_exchanged(place.file)
                 if rung is None:
-                    return WayUp(Settled(place.file, found, place.ladder, in_vain), turns, met)
+                    return WayUp(Settled(place.file, found, place.ladder, in_vain), forks, met)
                 place = place.after(rung)
                 name, having = rung.change.step.effect, str(rung.change.step)
             place = self._without_spares(place, name, having)
 
-    def climb_from(self, turn: Turn, ended: float, before: frozenset[MadeOf]) -> WayUp:
-        """Add the other effect at a turn, and go on from there.
+    def climb_from(self, fork: Fork, ended: float, before: frozenset[MadeOf]) -> WayUp:
+        """Add the other effect at a fork, and go on from there.
 
         Args:
-            turn: the turn.
-            ended: error on left-out conditions where the way ended that didn't turn there.
+            fork: the fork.
+            ended: error on left-out conditions where the way ended that didn't take it.
             before: laws that other ways came by.
         """
-        (change,) = self._added(turn.place.file, [turn.effect], "part")
+        (change,) = self._added(fork.place.file, [fork.effect], "part")
         words = (
-            f"by itself it takes {turn.share:.0%} of what {turn.taken} does, but with {turn.taken} in its place the "
+            f"by itself it takes {fork.share:.0%} of what {fork.taken} does, but with {fork.taken} in its place the "
             f"ladder ended at {ended:.2%} on left-out conditions"
         )
-        place = turn.place.after(Rung(change, "part", (words, NO_PROOF)))
-        return self.climb(self._without_spares(place, turn.effect, turn.effect), before)
+        place = fork.place.after(Rung(change, "part", (words, NO_PROOF)))
+        return self.climb(self._without_spares(place, fork.effect, fork.effect), before)
 
     def _until_one_helps(self, place: Place, found: Diagnosed) -> list[list[LawChange]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
@@ -298,9 +298,9 @@ class Climber:
         return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.progress)
 
 
-def _turns(place: Place, found: Diagnosed, taken: str) -> list[Turn]:
+def _forks(place: Place, found: Diagnosed, taken: str) -> list[Fork]:
     return [
-        Turn(place, effect, taken, share) for effect, share in found.other_parts.items() if effect not in place.gone
+        Fork(place, effect, taken, share) for effect, share in found.other_parts.items() if effect not in place.gone
     ]
 
 

@@ -219,7 +219,7 @@ class Spread(LawFilePart):
     local: LocalForm | None = None
 
 
-class Stage(LawFilePart):
+class FormerLaw(LawFilePart):
     """The law as it stood before it was changed: what its force is computed from, and no more."""
 
     base: str
@@ -250,7 +250,7 @@ class HistoryStep(LawFilePart):
         description="error on left-out groups of A and f, of fits without them",
     )
     kind: NamedKind | None = Field(default=None, description="how the diagnosis meant what was added, where one did")
-    stage: Stage | None = None
+    stage: FormerLaw | None = None
 
 
 class InVain(LawFilePart):
@@ -355,22 +355,22 @@ def law_of(file: LawFile) -> Law:
     return Law(structure, values, file.smoothing["v_r"], file.smoothing["y_r"])
 
 
-def stage_of(file: LawFile) -> Stage:
+def former_law_of(file: LawFile) -> FormerLaw:
     """Give what a later law's history keeps of this one."""
     values = {name: entry.value for name, entry in file.coefficients.items()}
-    return Stage(base=file.base, effects=file.effects, declared=file.declared, values=values)
+    return FormerLaw(base=file.base, effects=file.effects, declared=file.declared, values=values)
 
 
-def law_at(file: LawFile, stage: Stage) -> Law:
+def law_at(file: LawFile, former: FormerLaw) -> Law:
     """Give the law as it stood at an earlier step of a file's history.
 
     Raises:
         UserError: an effect is not known, or the values are not those of its structure.
     """
-    structure = Structure(stage.base, stage.effects, (), stage.declared)
-    if set(structure.equations.names) != set(stage.values):
-        raise UserError(f"law {file.name!r}: history: the values of {list(stage.effects)} aren't its own")
-    return Law(structure, stage.values, file.smoothing["v_r"], file.smoothing["y_r"])
+    structure = Structure(former.base, former.effects, (), former.declared)
+    if set(structure.equations.names) != set(former.values):
+        raise UserError(f"law {file.name!r}: history: the values of {list(former.effects)} aren't its own")
+    return Law(structure, former.values, file.smoothing["v_r"], file.smoothing["y_r"])
 
 
 def read_law(path: Path) -> LawFile:

@@ -71,7 +71,7 @@ def test_no_part_is_made_up_between_the_levels(tested, bump):
     law, problem = judged(campaign, Structure("power"))
     with_mass, _ = judged(campaign, WITH_MASS)
     assert takes_part(with_mass, law, problem), "by groups of one amplitude and one frequency it takes it"
-    assert rests_on(with_mass, law, problem).label == "2"
+    assert rests_on(with_mass, law, problem).label == "2 Hz"
     found = diagnose(Structure("power"), campaign)
     assert (found.verdict, found.effects) == ("unknown", ())
     assert "test at values of f in between" in found.reasons[0]
@@ -97,7 +97,17 @@ def test_groups_that_differ_hide_nothing_of_it(tested, bump):
     law, problem = judged(tested(("bump",), {"s_b": 0.02}, plan, (bump,)), WITH_MASS)
     assert problem.factors is not None
     worst = worst_level(law, problem)
-    assert (worst.condition, worst.level) == ("f", "2")
+    assert (worst.condition, worst.level) == ("f", "2 Hz")
+    assert worst.share > FORM_NOISE_SHARE
+
+
+def test_temperatures_between_others_are_asked_too(tested, tmp_path):
+    text = BUMP.replace("near one frequency", "near one temperature").replace("f - 2.7) / 0.7", "T - 423.15) / 40")
+    (tmp_path / "bump.toml").write_text(text)
+    declared = (read_declaration(tmp_path / "bump.toml"),)
+    law, problem = judged(tested(("bump",), {"s_b": 0.05}, declared=declared), Structure("power"))
+    worst = worst_level(law, problem)
+    assert (worst.condition, worst.level) == ("T", "150 degC")
     assert worst.share > FORM_NOISE_SHARE
 
 
@@ -116,14 +126,14 @@ def test_what_only_one_level_tells_is_no_fault_of_the_law(tested):
 
 
 def test_levels_at_the_ends_are_not_between(tested):
-    plan = replace(PLAN, amplitudes=(0.3, 1.0), frequencies=(1.0, 4.0))
+    plan = replace(PLAN, amplitudes=(0.3, 1.0), frequencies=(1.0, 4.0), temperatures=(20.0, 300.0))
     law, problem = judged(tested((), {}, plan), Structure("power"))
     assert worst_level(law, problem) is None
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.6, "complete"), (0.9, "unknown")])
 def test_what_passes_for_form_may_be_wrong_between_levels_too(share, verdict, tested, monkeypatch):
-    monkeypatch.setattr(verdicts, "worst_level", lambda law, problem: LeftOutLevel("A", "mm", "0.6", 3 * share, share))
+    monkeypatch.setattr(verdicts, "worst_level", lambda law, problem: LeftOutLevel("A", "0.6 mm", 3 * share, share))
     found = diagnose(Structure("power"), tested((), {}))
     assert found.verdict == verdict
     assert ("A = 0.6 mm" in found.reasons[0]) == (verdict == "unknown")

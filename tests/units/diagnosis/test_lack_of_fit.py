@@ -47,6 +47,34 @@ def test_repeats_leave_scatter_less_to_hide():
     assert HIDDEN / NOISE < thrice < 0.85 * once
 
 
+@pytest.mark.parametrize("form", [0.0, 0.2])
+def test_what_no_run_can_differ_by_is_sure_however_much_scatters(form):
+    """Damping that scatters by more than what was left had made a wrong form pass for a cause's own."""
+    random = np.random.default_rng(11)
+    A, f = np.array([(A, f) for A in AMPLITUDES for f in FREQUENCIES]).T
+    shape, runs = (len(A), CHANNELS), len(A)
+    damping = np.zeros(shape)
+    damping[:, 2] = 60.0 * A
+    scatter = RunScatter(damping=0.02)
+    follows = np.log(A) - np.mean(np.log(A))
+    shares = []
+    for _ in range(DRAWS):
+        residual = 0.02 * NOISE * random.standard_normal(shape) + 0.02 * random.standard_normal((runs, 1)) * damping
+        residual[:, 3] += np.sqrt(2) * form * follows / np.sqrt(np.mean(follows**2))
+        none = np.zeros(shape)
+        model = NoiseModel(np.full(shape, (0.02 * NOISE) ** 2), Directions(none, damping, none), scatter, 0.0)
+        white = np.einsum("rij,rj->ri", model.whitener(), residual)
+        fitted = Whitened(white, np.zeros((*shape, 1)), np.zeros(0))
+        smooth = smooth_functions(A, f, np.full(runs, 293.15), (), [None] * runs)
+        lack = lack_of_fit(fitted, residual, model, smooth, np.zeros((1, 1, *shape)), np.full(runs, NOISE))
+        shares.append(lack.sure_share)
+    if form:
+        assert min(shares) > 0.95 * form / NOISE
+        assert np.mean(np.array(shares) < 1.05 * form / NOISE) > 0.9
+    else:
+        assert np.mean(np.array(shares) < 0.1) > 0.9
+
+
 @pytest.mark.parametrize(
     ("share", "words"),
     [

@@ -8,12 +8,13 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.fitting.observations import loop_observations
-from pipeclamp_identification.loops.loops import displacement_on_grid, loops_of, on_grid, per_cycle
+from pipeclamp_identification.loops.loops import by_stretch, displacement_on_grid, loops_of, on_grid, per_cycle
 from pipeclamp_identification.loops.scatter import drift_alike
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 
@@ -193,6 +194,23 @@ def test_rows_per_cycle_follow_a_force_that_drifts(harmonic_record, loops_from):
     np.testing.assert_allclose(
         single.force_standard_error, np.repeat(loops.force_standard_error * math.sqrt(8), 8, axis=0)
     )
+
+
+@pytest.mark.parametrize("cycles", [(1,), (1, 1), (2, 2, 1), (3, 3, 2)])
+def test_stretches_of_a_record_follow_a_force_that_drifts(harmonic_record, loops_from, cycles):
+    record = harmonic_record(force=F, cycles=float(sum(cycles)), rate=600.0)
+    drifting = dataclasses.replace(record, force_N=record.force_N * (1 - 0.01 * 3.0 * record.time_s))
+    loops = loops_from(drifting, first_cycle=50.0)
+    parts, single = by_stretch(loops), per_cycle(loops)
+    assert tuple(map(len, parts.cycles)) == cycles
+    assert by_stretch(parts) is parts or len(cycles) == 1
+    weight = np.array(cycles) / sum(cycles)
+    np.testing.assert_allclose(weight @ parts.force, loops.force[0], atol=1e-6)
+    np.testing.assert_allclose(parts.force[-1], single.force[-cycles[-1] :].mean(axis=0), atol=1e-9)
+    np.testing.assert_allclose(parts.cycle[-1], stats.gmean(single.cycle[-cycles[-1] :]))
+    np.testing.assert_allclose(parts.force_standard_error, loops.force_standard_error / np.sqrt(weight)[:, None])
+    np.testing.assert_allclose([row.samples for row in parts.rows], weight * loops.rows[0].samples)
+    assert [len(phases) for phases in parts.phases] == pytest.approx(200.0 * np.array(cycles), abs=2)
 
 
 def test_a_grid_of_points_holds_the_harmonics():

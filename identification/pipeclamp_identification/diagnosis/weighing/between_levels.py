@@ -1,4 +1,4 @@
-"""What a law makes of amplitudes and frequencies between those tested, told by levels that are left out.
+"""What a law makes of conditions between those tested, told by levels that are left out.
 
 A group of one amplitude and one frequency says little of a law between the levels: the other frequencies show the same
 amplitude. So all runs of a level between others are left out, and the law is refitted to the rest. What it then errs
@@ -11,7 +11,7 @@ third, whatever they are. Fitted to the others alone it then takes none of that.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,9 +23,10 @@ from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
+from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, number_levels
 from pipeclamp_models.base.arrays import IntArray
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 
@@ -38,14 +39,13 @@ class LeftOutLevel:
     """What a law errs more on a level when it is refitted without it.
 
     Attributes:
-        condition, unit: of which the level is one.
-        level: its set point in words.
+        condition: of which the level is one.
+        level: its set point in words, with its unit.
         rms: N.
         share: the same as a share of the force noise per sample.
     """
 
     condition: str
-    unit: str
     level: str
     rms: float
     share: float
@@ -56,13 +56,12 @@ class InnerLevel:
     """A level between others.
 
     Attributes:
-        condition, unit: of which it is one.
-        label: its set point in words.
+        condition: of which it is one.
+        label: its set point in words, with its unit.
         rows: of the loops.
     """
 
     condition: str
-    unit: str
     label: str
     rows: IntArray
 
@@ -70,12 +69,12 @@ class InnerLevel:
 def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
     """Give the level between others that a law foretells worst from the others; None where no level lies between."""
     found = []
-    for level in _levels_between(problem.loops):
+    for level in (*_levels_between(problem.loops), *_further_levels_between(problem.loops)):
         there, here = _squares(law.result.law, problem, level.rows)
         square = max(there - here, 0.0)
         noise = float(np.mean(problem.loops.scatter_rms_N[level.rows] ** 2))
         rms, share = float(np.sqrt(square)), float(np.sqrt(square / noise))
-        found.append(LeftOutLevel(level.condition, level.unit, level.label, rms, share))
+        found.append(LeftOutLevel(level.condition, level.label, rms, share))
     return max(found, key=lambda each: each.share, default=None)
 
 
@@ -101,11 +100,26 @@ def rests_on(candidate: Judged, law: Judged, problem: Problem) -> InnerLevel | N
 
 
 def _levels_between(loops: Loops) -> Iterator[InnerLevel]:
-    """Give each level but the lowest and the highest."""
-    conditions = (("A", "mm", loops.amplitude_mm), ("f", "Hz", loops.frequency_Hz))
-    for condition, unit, values in conditions:
-        for level in number_levels(values, relative=SAME_SHARE)[1:-1]:
-            yield InnerLevel(condition, unit, level.label, level.rows)
+    """Give each level of amplitude and frequency but the lowest and the highest."""
+    for condition, unit, values in (("A", "mm", loops.amplitude_mm), ("f", "Hz", loops.frequency_Hz)):
+        yield from _inner(condition, unit, number_levels(values, relative=SAME_SHARE), fewest=3)
+
+
+def _further_levels_between(loops: Loops) -> Iterator[InnerLevel]:
+    """Give each level of temperature, density and further conditions but the lowest and the highest.
+
+    A bend describes what a further condition does, and takes three levels: without one of four they are left.
+    """
+    yield from _inner("T", "degC", number_levels(loops.temperature_K - CELSIUS, absolute=SAME_KELVIN), fewest=3)
+    yield from _inner("density", "g/cm3", number_levels(loops.density_g_cm3, relative=SAME_SHARE), fewest=3)
+    for name, values in loops.conditions.items():
+        yield from _inner(name, "", number_levels(values, relative=SAME_SHARE), fewest=4)
+
+
+def _inner(condition: str, unit: str, levels: Sequence[Level], fewest: int) -> Iterator[InnerLevel]:
+    known = [level for level in levels if level.known]
+    for level in known[1:-1] if len(known) >= fewest else ():
+        yield InnerLevel(condition, f"{level.label} {unit}".strip(), level.rows)
 
 
 def _squares(law: Law, problem: Problem, level: IntArray) -> tuple[float, float]:

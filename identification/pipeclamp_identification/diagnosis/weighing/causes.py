@@ -17,6 +17,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
     RIVAL_LIKELIHOOD,
 )
+from pipeclamp_identification.diagnosis.weighing.reasons import NEXT_TO_NOTHING
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
@@ -137,8 +138,9 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
     second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
     alone, together = told_apart(explained_share(named, scales.law), explained_share(pair, scales.law))
+    takes = alone if explained_share(named, scales.law) >= NEXT_TO_NOTHING else "next to nothing"
     reason = (
-        f"two effects are missing: {named.effects[0]} first, which takes {alone} by itself; with {second} beside it "
+        f"two effects are missing: {named.effects[0]} first, which takes {takes} by itself; with {second} beside it "
         f"{together} is explained"
     )
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import Foretold, explained_share, takes_part
+from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter, explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
@@ -59,7 +59,7 @@ def chance_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
     return f"{few}; repeat some of them three times each" if repeat else few
 
 
-def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
+def form_words(lack: LackOfFit, elsewhere: ErrorBeyondScatter, best: Judged | None, law: Judged) -> str:
     """Say that what is left passes for form: the best effect that takes some of it, and the error elsewhere."""
     asked = "no effect of the catalogue takes any of it"
     if best is not None:
@@ -71,7 +71,7 @@ def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: J
     )
 
 
-def foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
+def foretold_words(lack: LackOfFit, elsewhere: ErrorBeyondScatter) -> str:
     """Say that what is left is too much to pass for form, by the error on left-out conditions."""
     return (
         f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
@@ -83,7 +83,7 @@ def foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
 def between_words(worst: LeftOutLevel) -> str:
     """Say that a law fits a level only when it is fitted to it, and what would tell more."""
     return (
-        f"the law fits the tests at {worst.condition} = {worst.level} {worst.unit}, but fitted to the others alone it "
+        f"the law fits the tests at {worst.condition} = {worst.level}, but fitted to the others alone it "
         f"foretells them {newtons(worst.rms)} ({worst.share:.2g} times the force noise) worse: it isn't to be trusted "
         f"between the levels tested; test at values of {worst.condition} in between"
     )
@@ -144,7 +144,7 @@ def _why_not(best: Judged, law: Judged, problem: Problem) -> str:
     elif not takes_part(best, law, problem):
         why = "some conditions gain, others lose"
     elif level := rests_on(best, law, problem):
-        at = f"{level.condition} = {level.label} {level.unit}"
+        at = f"{level.condition} = {level.label}"
         why = (
             f"most of that at {at}, and fitted to the other levels it takes none of it there: it isn't to be trusted "
             f"between the levels tested; test at values of {level.condition} in between"
