@@ -81,5 +81,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Give the public names, loaded or not."""
-    return sorted({*globals(), *__all__})
+    """Give the public names, loaded or not, and none of what this file needs itself."""
+    return sorted({*(name for name in globals() if name.startswith("__")), *__all__})

@@ -24,7 +24,14 @@ from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import stages_held
-from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, PublishedStep, reading_law, way
+from pipeclamp_identification.metrics_only.published import (
+    FIGURE_14,
+    READINGS,
+    PublishedStep,
+    Reading,
+    reading_law,
+    way,
+)
 from pipeclamp_identification.workflow.change import LawChange, add_effect
 from pipeclamp_identification.workflow.next_command import after_change, after_import
 from pipeclamp_identification.workflow.next_in_system import after_cosim
@@ -107,7 +114,7 @@ def _published_tables(folder: Path, tell: Tell) -> Path:
 def _caution(step: PublishedStep) -> str:
     if not step.rests_on:
         return ""
-    rows = "; ".join(f"{A:g} mm, {f:g} Hz, {T:g} degC" for A, f, T in step.rests_on)
+    rows = "; ".join(f"{A:g} mm, {f:g} Hz, {T:g} °C" for A, f, T in step.rests_on)
     return f"  (rests on one row: {rows})"
 
 
@@ -130,16 +137,25 @@ def _way_sections(steps: tuple[PublishedStep, ...]) -> list[Section]:
         Section("The way", words, [table], [falling], after_import("emwm2_tables")),
         Section(
             "The printed law's readings",
-            ["What is printed leaves open the sign of one exponent and the scale of the temperature: four readings."],
+            [
+                "What is printed leaves open the sign of one exponent and the scale of the temperature: four readings.",
+                *(f"{_short(reading)}: {reading.notes}." for reading in READINGS),
+            ],
             (),
             [_figure_14(A, f, T) for A, f, T in FIGURE_14],
         ),
     ]
 
 
+def _short(reading: Reading) -> str:
+    return reading.name.removeprefix("published_")
+
+
 def _figure_14(A: float, f: float, T: float) -> go.Figure:
     motion = sinusoids([A], [f], [T + CELSIUS])
-    loops = [(reading.name, motion.y[0], force_of_law(reading_law(reading), motion).force[0]) for reading in READINGS]
+    loops = [
+        (_short(reading), motion.y[0], force_of_law(reading_law(reading), motion).force[0]) for reading in READINGS
+    ]
     return overlay_picture(loops, f"{A:g} mm, {f:g} Hz, {T:g} °C (conditions of Fig. 14)")
 
 
@@ -206,7 +222,7 @@ def _pipe_and_clamp(folder: Path, tell: Tell) -> Iterator[Path]:
     build_clamp(read_law(folder / "clamp_a.json"), folder / "clamp_a.fmu")
     build_pipe(reduce(read_pipe(folder / "pipe.toml")), folder / "pipe.fmu")
     tell(f"   built {folder / 'clamp_a.fmu'} and {folder / 'pipe.fmu'}")
-    for number, name, temperature in ((4, "system", "20 degC"), (5, "system_hot", f"{HOT:g} degC")):
+    for number, name, temperature in ((4, "system", "20 °C"), (5, "system_hot", f"{HOT:g} °C")):
         yield co_simulated(folder / f"{name}.toml", folder / f"{number}_{name}.html", temperature, tell)
 
 

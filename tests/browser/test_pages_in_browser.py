@@ -25,6 +25,11 @@ def pages(tmp_path_factory):
     write_report(folder / "diagnosis.html", "Diagnosis", "clamp_a", diagnosis_page(law, found, "pipeclamp add"), "test")
     better = add_effect(law, found.effects[0], tests, provenance=Provenance("test")).after
     write_report(folder / "compare.html", "Law", "clamp_a", comparison_page([(better, tests.compare(better))]), "test")
+    named = [one.model_copy(update={"name": f"the_{which}_law_of_clamp_seven_at_the_new_rig_beside_the_pump"})
+             for one, which in ((law, "first"), (better, "second"))]  # fmt: skip
+    command = "pipeclamp diagnose the_second_law.json a_campaign --auto the_third_law.json --report diagnosis.html"
+    laws = comparison_page([(one, tests.compare(one)) for one in named], command)
+    write_report(folder / "laws.html", "Laws", "clamp_a", laws, "test")
     return folder
 
 
@@ -120,3 +125,31 @@ def test_what_a_map_means_is_whole_where_the_map_goes_on(pages, page):
     box = meaning.bounding_box()
     assert box["x"] >= 0
     assert box["x"] + box["width"] <= 320
+
+
+def test_long_names_are_whole_in_a_narrow_window_and_commands_break_between_words(pages, page):
+    """Names of laws had been cut in legends and made the page wider; "--auto" had been broken into "--" and "auto"."""
+    page.set_viewport_size({"width": 420, "height": 900})
+    open_page(page, pages / "laws.html")
+    page.wait_for_timeout(300)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 420
+    inside = """() => [...document.querySelectorAll('.chosen .legendtext')].map((text) =>
+        text.getBoundingClientRect().right <= text.closest('.main-svg').getBoundingClientRect().right)"""
+    assert page.evaluate(inside) and all(page.evaluate(inside))
+    whole = "[...document.querySelectorAll('.chosen .legendtext')].map((text) => text.textContent).join(' ')"
+    assert "the_first_law_of_clamp_seven_at_the_new_rig_beside_the_pump" in page.evaluate(whole).replace(" ", "")
+    lines = "[...document.querySelectorAll('.command .word')].map((word) => word.getClientRects().length)"
+    assert page.evaluate(lines) == [1] * 8
+    assert page.inner_text(".command code").split() == page.text_content(".command code").split()
+    assert page.text_content(".command code").endswith(" --auto the_third_law.json --report diagnosis.html")
+
+
+def test_the_turns_of_a_loop_are_seen_whole(pages, page):
+    """They had lain on the picture's edge, half of the line cut off."""
+    open_page(page, pages / "compare.html")
+    ends = page.evaluate("""() => {
+        const { data, layout } = document.querySelector('.chosen');
+        return [layout.xaxis.range, [Math.min(...data[0].x), Math.max(...data[0].x)]];
+    }""")
+    (low, high), (first, last) = ends
+    assert low < first - 0.01 * (last - first) and high > last + 0.01 * (last - first)

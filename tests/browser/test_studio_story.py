@@ -315,3 +315,25 @@ def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path
     assert page.inner_text("h1") == "clamp_7"
     assert other.get_attribute(".job >> text=Open it", "href") == "/c/clamp_7/"
     assert (home / "clamp_7" / "campaign.toml").is_file()
+
+
+def test_results_are_imported_and_shown_without_loops(page, url, violations):
+    """Tables with a row a test make a campaign of metrics, whose page has pictures and commands."""
+    rows = [(f, A, 900 * f**0.1 / A**0.2, 150 * f**0.2, 20) for A in (0.1, 0.5) for f in (1, 5, 20, 100)]
+    text = "\n".join(["f;A;K';K\";T", "Hz;mm;N/mm;N/mm;°C", *(";".join(map(str, row)) for row in rows)])
+    page.goto(url)
+    page.click(".brand")
+    page.set_input_files("#files", [{"name": "mount.csv", "mimeType": "text/csv", "buffer": text.encode()}])
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    page.wait_for_selector("#loops .main-svg")
+    assert "8 tests of 1 file, known by stiffness and loss" in page.inner_text("#found")
+    page.fill("#name", "mount")
+    page.click("text=Look into them")
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    page.click("#write")
+    page.wait_for_url("**/c/mount/", timeout=A_JOB_ms)
+    page.wait_for_selector(".picture .main-svg")
+    assert page.locator(".picture").count() == 2 and "Metrics without records" in page.inner_text("main")
+    assert violations(page) == []
+    page.set_viewport_size(NARROW)
+    assert soon_no_wider_than_the_window(page)

@@ -276,7 +276,7 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
     assert done.stdout.splitlines()[-1] == "Next: pipeclamp identify clamp_a -o law.json"
     for name in opened:
         assert (tmp_path / name).stat().st_size > 1e4
-    for words in ("as printed", "rests on one row", "tests never seen", "300 degC"):
+    for words in ("as printed", "rests on one row", "tests never seen", "300 °C"):
         assert words in done.stdout
     assert {path.name for path in (tmp_path / "story").glob("*.fmu")} == {"clamp_a.fmu", "pipe.fmu"}
     # What it tells of pipe and clamp is to be trusted, and its pages say nothing else.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import html
 import json
@@ -345,3 +346,31 @@ def test_a_run_that_is_left_out_lacks_no_temperature(pipeclamp, tmp_path):
     told = pipeclamp("import", folder, "-o", tmp_path / "c", "--pattern", "T{temperature_C}")
     assert "has the wrong sign" in told.stderr
     assert "no temperature" not in told.stdout
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
+@pytest.mark.parametrize("answer", ["n", "y"])
+def test_at_a_terminal_results_are_asked_for_as_records_are(tmp_path, answer):
+    import pty
+
+    rows = "\n".join(f"{f};0.5;{900 * f**0.1};{150 * f**0.2}" for f in (1, 5, 20))
+    (tmp_path / "mount.csv").write_text(f"Frequency;Amplitude;K';K\"\nHz;mm;N/mm;N/mm\n{rows}\n")
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "pipeclamp", "import", "mount.csv", "-o", "c"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdin=theirs, stdout=theirs,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, stderr=subprocess.PIPE, encoding="utf-8",
+    ) as process:  # fmt: skip
+        os.close(theirs)
+        shown = b""
+        while b"right?" not in shown:
+            shown += os.read(ours, 4096)
+        os.write(ours, f"{answer}\n".encode())
+        with contextlib.suppress(OSError):  # the terminal is closed from the other side
+            while more := os.read(ours, 4096):
+                shown += more
+        errors = process.stderr.read()
+    os.close(ours)
+    assert "Are these channels and units right?" in shown.decode() and "storage_stiffness" in shown.decode()
+    assert (process.returncode, (tmp_path / "c").exists()) == ((0, True) if answer == "y" else (1, False))
+    assert ("nothing was written: the import wasn't confirmed" in errors) == (answer == "n")

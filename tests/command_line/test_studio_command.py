@@ -57,7 +57,6 @@ def test_a_port_that_is_taken_is_told(refused, tmp_path):
 
 def test_campaigns_that_cannot_serve_are_told_before_anything_is_served(refused, tmp_path):
     assert "no such folder" in refused("studio", "no_such", "-o", tmp_path / "home", "--no-browser")
-    assert "metrics without records" in refused("studio", "emwm2_tables", "-o", tmp_path / "home", "--no-browser")
     assert not (tmp_path / "home").exists()
 
 

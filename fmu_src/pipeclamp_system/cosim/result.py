@@ -242,11 +242,11 @@ class CosimResult:
         ]
         lines += [
             f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm, "
-            f"force {self.amplitude(f'{name}.f'):.4g} N over the last fifth"
+            f"force {self.amplitude(f'{name}.f'):.4g} N over the last fifth of the run"
             for name in self.clamp_names
         ]
         lines += [
-            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm over the last fifth"
+            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm over the last fifth of the run"
             for name in self.probe_names
         ]
         lines += [

@@ -11,13 +11,13 @@ from pipeclamp.api.tests import Tests, read_campaign
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found
-from pipeclamp_identification.importing.results.whole import FoundResults
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
+    from pipeclamp_identification.importing.results.found import FoundResults
     from pipeclamp_models.base.tables import pl
 
 
@@ -63,20 +63,13 @@ class Import(Shown):
     def view(self) -> View:
         """Give what `pipeclamp import` tells."""
         from pipeclamp.show.imported import import_view
-        from pipeclamp.show.imported_results import results_view
 
-        return results_view(self.found) if isinstance(self.found, FoundResults) else import_view(self.found)
+        return import_view(self.found)
 
     def page(self) -> Report:
-        """Give the page that stands in the campaign's folder.
-
-        Raises:
-            UserError: the files hold results, whose page `loop_metrics` draws.
-        """
+        """Give the page that stands in the campaign's folder."""
         from pipeclamp.pages.imported import import_report
 
-        if isinstance(self.found, FoundResults):
-            raise UserError(f"{self.folder}: an import of results has no page of its own; expected that of its metrics")
         return import_report(self.found)
 
     def to_frame(self) -> pl.DataFrame:

@@ -18,11 +18,10 @@ from pipeclamp_models.base.files import refuse_folder
 if TYPE_CHECKING:
     from pipeclamp_identification.importing.answer import Found
     from pipeclamp_identification.importing.columns import Mapped, Stated
+    from pipeclamp_identification.importing.results.found import FoundResults
     from pipeclamp_identification.importing.unusable import UnusableFiles
 
 app = typer.Typer()
-
-NO_PAGE = "--report draws no page of results; pipeclamp metrics CAMPAIGN --report does"
 
 
 def _campaign_to_write(path: Path) -> Path:
@@ -84,9 +83,8 @@ def import_command(
     """Test machines' files to a campaign: channels and units found, runs cut out and checked; later files join it."""
     from pipeclamp.pages.imported import import_page
     from pipeclamp.show.imported import import_view
-    from pipeclamp.show.imported_results import results_view
     from pipeclamp_identification.fitting.identify import software
-    from pipeclamp_identification.importing.results.whole import FoundResults, import_any
+    from pipeclamp_identification.importing.results.whole import import_any
     from pipeclamp_identification.importing.stated import stated_options
     from pipeclamp_models.base.files import write_whole
 
@@ -102,14 +100,7 @@ def import_command(
             dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value,
             progress=tell,
         )  # fmt: skip
-    if isinstance(found, FoundResults):
-        for words in found.notes():
-            note(words)
-        if report:
-            note(NO_PAGE)
-        show(results_view(found, called), json)
-        return
-    for entry in found.judged.left_out:
+    for entry in found.left_out:
         warn(str(entry))
     for words in found.notes():
         note(words)
@@ -148,11 +139,11 @@ def _may_be_left_out(unusable: UnusableFiles) -> bool:
         return False
 
 
-def _confirmed(found: Found) -> bool:
+def _confirmed(found: Found | FoundResults) -> bool:
     """Show which channel is what, and ask whether that is right."""
     from pipeclamp.show.imported import columns_table
 
-    print_table(columns_table(found.plan.files))
+    print_table(columns_table(found.files))
     try:
         return typer.confirm("Are these channels and units right?", default=True)
     except typer.Abort as stop:

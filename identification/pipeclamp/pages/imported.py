@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import plotly.graph_objects as go
@@ -11,18 +13,26 @@ import plotly.graph_objects as go
 from pipeclamp.pages.alternative import words_of
 from pipeclamp.pages.page import GRID, MEASURED, SERIES, Report, Section, plain, render, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
+from pipeclamp.pages.sweeps import of_phase, sweep_picture, sweep_sections
 from pipeclamp.show.imported import (
     columns_table,
     cut_table,
     following_import,
     import_lines,
     imported_runs_table,
+    imported_tests_table,
     left_out_table,
 )
+from pipeclamp.show.metrics import OF_A_SINE
 from pipeclamp_identification.comparison.sentences import sentence
-from pipeclamp_identification.importing.answer import Found
+from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.importing.looked_at import CYCLES, ShownLoop
 from pipeclamp_identification.importing.plan import Overview
+from pipeclamp_identification.metrics_only.sweeps import sweeps_of
+from pipeclamp_models.base.said import counted
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.importing.results.found import FoundResults
 
 PANELS = 24
 """Loops in a picture."""
@@ -38,21 +48,21 @@ FINEST = 600
 KEPT, CUT = SERIES[0], SERIES[1]
 
 
-def import_page(found: Found, called: Sequence[str] = ()) -> str:
+def import_page(found: Found | FoundResults, called: Sequence[str] = ()) -> str:
     """Give the page of an import as HTML; `called` are the command's words, so that it can be said anew."""
     return render(*import_report(found, called))
 
 
-def import_report(found: Found, called: Sequence[str] = ()) -> Report:
+def import_report(found: Found | FoundResults, called: Sequence[str] = ()) -> Report:
     """Give the page of an import; `called` as for `import_page`."""
     return Report(f"Import of {found.name}", found.folder.name, import_sections(found, called))
 
 
-def import_sections(found: Found, called: Sequence[str] = ()) -> list[Section]:
+def import_sections(found: Found | FoundResults, called: Sequence[str] = ()) -> list[Section]:
     """Give the sections of an import's page; `called` as for `import_page`."""
     answer = found.answer()
     head, *lines = import_lines(found, answer, called)
-    notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.judged.left_out)]
+    notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.left_out)]
     sections = [
         Section(
             "What was imported",
@@ -60,17 +70,29 @@ def import_sections(found: Found, called: Sequence[str] = ()) -> list[Section]:
             [columns_table(found.imported.files)],
             command=following_import(found, answer, called),
         ),
-        *_overviews(found.plan.overviews),
-        *_loops(found),
-        Section("All runs", (), [imported_runs_table(answer)]),
+        *(_of_records(found, answer) if isinstance(found, Found) else _of_results(found, answer)),
     ]
     if answer.left_out_files:
         sections.append(Section("Files that were left out", (), [left_out_table(answer)]))
     if answer.cut:
-        sections.append(
-            Section("What was cut", ["Samples are lines of the file where it is a text."], [cut_table(answer)])
-        )
+        words = "Samples are lines of the file where it is a text."
+        if not isinstance(found, Found):
+            words = "Rows of the files that can't be used, as the files count them."
+        sections.append(Section("What was cut", [words], [cut_table(answer)]))
     return sections
+
+
+def _of_records(found: Found, answer: ImportAnswer) -> list[Section]:
+    every = Section("All runs", (), [imported_runs_table(answer)])
+    return [*_overviews(found.plan.overviews), *_loops(found), every]
+
+
+def _of_results(found: FoundResults, answer: ImportAnswer) -> list[Section]:
+    drawn = sweep_sections(found.campaign, of_phase(found.campaign))
+    every = Section("All tests", [] if drawn else [OF_A_SINE], [imported_tests_table(found, answer)])
+    if drawn:
+        drawn[0] = replace(drawn[0], paragraphs=[OF_A_SINE, *drawn[0].paragraphs])
+    return [*drawn, every]
 
 
 def _loops(found: Found) -> list[Section]:
@@ -90,14 +112,26 @@ def _loops(found: Found) -> list[Section]:
     return [Section("Loops", words, (), pictures)]
 
 
-def first_look(found: Found) -> dict[str, str] | None:
-    """Give a few loops as the studio draws them, evenly over the campaign, with a title and words; None without any."""
+def first_look(found: Found | FoundResults) -> dict[str, str] | None:
+    """Give what the studio draws of files, with a title and words; None where there is nothing.
+
+    Of records it is a few loops, evenly over the campaign, of results stiffness and loss angle over what was varied.
+    """
+    if not isinstance(found, Found):
+        sweeps = sweeps_of(found.campaign)
+        if not sweeps:
+            return None
+        figure = sweep_picture(found.campaign, of_phase(found.campaign), sweeps[0])
+        return _first_look(f"Stiffness and loss angle of {counted(len(found.campaign.runs), 'test')}", figure)
     shown = found.looked.loops
     if not shown:
         return None
     places = np.unique(np.linspace(0, len(shown) - 1, min(GLANCE, len(shown))).astype(np.intp)).tolist()
     title = f"Loops of {len(places)} of {len(found.judged.sines)} runs" if len(places) > 1 else "The loop"
-    figure = loops_picture([_panel(shown[place]) for place in places], title, per_row=GLANCE_PER_ROW)
+    return _first_look(title, loops_picture([_panel(shown[place]) for place in places], title, per_row=GLANCE_PER_ROW))
+
+
+def _first_look(title: str, figure: go.Figure) -> dict[str, str]:
     words = words_of(figure)
     return {"title": title, "words": words, "specification": json.dumps(plain(figure.update_layout(title=None)))}
 

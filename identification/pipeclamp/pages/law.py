@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 
 import numpy as np
 import plotly.graph_objects as go
@@ -12,6 +13,7 @@ from pipeclamp.pages.pictures import curves_picture, surface_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import REFERENCES
+from pipeclamp_models.equations.symbols import FIXED
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
@@ -24,10 +26,23 @@ def law_sections(file: LawFile) -> list[Section]:
     """Give the part of a page that shows a law: its equations, parameters and surfaces."""
     law = law_of(file)
     return [
-        Section("Law", equation_lines(law.equations.composed)),
+        Section("Law", [*equation_lines(law.equations.composed), *_fixed_words(law)]),
         Section("Parameters", doubts(file), [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
     ]
+
+
+def _fixed_words(law: Law) -> list[str]:
+    """Say what stands in the equations beside parameters: reference values, and what rounds kinks off."""
+    values = {
+        **{name: f"{value:g}" for name, value in REFERENCES.items()},
+        "v_r": f"{law.v_r:.3g}",
+        "y_r": f"{law.y_r:.3g}",
+    }
+    lines = " ".join(equation_lines(law.equations.composed))
+    there = [one for one in FIXED if re.search(rf"\b{one.symbol}\b", lines)]
+    told = [f"{one.symbol} = {values[str(one.symbol)]} {one.unit} ({one.meaning.split(',')[0]})" for one in there]
+    return [f"Here {', '.join(told)}."] if told else []
 
 
 def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:

@@ -4,11 +4,23 @@ from __future__ import annotations
 
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import curves_picture, overlay_picture
-from pipeclamp.show.metrics import MEANINGS, axis_of, metrics_words, runs_table, setting, study_table
+from pipeclamp.pages.sweeps import of_energy, sweep_sections
+from pipeclamp.show.metrics import (
+    MEANINGS,
+    MEANINGS_STATED,
+    axis_of,
+    metric_campaign_words,
+    metric_table,
+    metrics_words,
+    runs_table,
+    setting,
+    study_table,
+)
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import Metrics, metrics_of, scatter_of
 from pipeclamp_identification.loops.one_condition import Variation, loops_to_draw, principal_variations, variations_of
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 
 
 def metrics_sections(campaign: Campaign, loops: Loops) -> list[Section]:
@@ -19,6 +31,14 @@ def metrics_sections(campaign: Campaign, loops: Loops) -> list[Section]:
     sections = [answer, *(_study_section(study, loops, metrics) for study in studies)]
     noted = [*(f"Left out: {entry}." for entry in campaign.left_out), *(f"Note: {one}." for one in campaign.remarks)]
     return [*sections, Section("All runs", noted, [runs_table(loops, metrics, scatter)])]
+
+
+def metric_campaign_sections(campaign: MetricCampaign) -> list[Section]:
+    """Give the report of metrics without records: over what was varied, then every run."""
+    answer = Section("Answer", [metric_campaign_words(campaign), MEANINGS_STATED])
+    noted = [f"Left out: {entry}." for entry in campaign.left_out]
+    every = Section("All runs", noted, [metric_table(campaign)])
+    return [answer, *sweep_sections(campaign, of_energy(campaign)), every]
 
 
 def _study_section(study: Variation, loops: Loops, metrics: Metrics) -> Section:

@@ -101,7 +101,7 @@ def doubted(figure: go.Figure) -> go.Figure:
 
 
 @dataclass(frozen=True)
-class _Drawn:
+class Drawn:
     """A picture as the page holds it.
 
     Attributes:
@@ -143,10 +143,11 @@ def least_width(figure: go.Figure) -> int:
     return 0 if meta is None or isinstance(meta, dict) else int(meta)
 
 
-def _drawn(figure: go.Figure) -> _Drawn:
+def drawn_of(figure: go.Figure) -> Drawn:
+    """Give a picture as a page holds it."""
     meta = figure.layout.meta
     wide = (meta["least_width"] if isinstance(meta, dict) else meta or 0) > HALF
-    return _Drawn(_for_script(plain(figure)), words_of(figure), least_width(figure), wide)
+    return Drawn(_for_script(plain(figure)), words_of(figure), least_width(figure), wide)
 
 
 def _for_script(content: Mapping[str, Any]) -> str:
@@ -190,8 +191,8 @@ def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "
     """
     environment = templates_of("pipeclamp.pages")
     environment.filters["cell"] = cell
-    drawn = [[_drawn(figure) for figure in section.figures] for section in sections]
-    cards = [[(card, _drawn(card.figure)) for card in section.cards] for section in sections]
+    drawn = [[drawn_of(figure) for figure in section.figures] for section in sections]
+    cards = [[(card, drawn_of(card.figure)) for card in section.cards] for section in sections]
     explored = [_for_script(section.explorer) if section.explorer else "" for section in sections]
     scripts = [asset("templates/page.js")]
     if any(explored):

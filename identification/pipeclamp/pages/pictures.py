@@ -24,6 +24,8 @@ FEW = 12
 LIGHT_BLUES = sample_colorscale("Blues", np.linspace(0.0, 0.6, 7).tolist())
 """Light enough for dark numbers in the cells, six to one at least, also where the page is dark."""
 PUBLISHED_BESIDE = "published "
+ROOM = 0.03
+"""Share of a loop's width that is left beside its turns."""
 MOST_OF_HISTORY = 4000
 """Points of a curve over time that are drawn at most."""
 
@@ -82,6 +84,9 @@ def _loops_in(columns: int, panels: Sequence[LoopPanel], title: str, names: tupl
                     **place,
                 )  # fmt: skip
     figure.update_annotations(font={"size": 12})
+    for index, panel in enumerate(panels):
+        place = {"row": index // columns + 1, "col": index % columns + 1}
+        figure.update_xaxes(range=with_room(panel.y), **place)
     for column in range(1, columns + 1):
         figure.update_xaxes(title_text="y / mm", row=rows, col=column)
     for row in range(1, rows + 1):
@@ -101,21 +106,32 @@ def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go
     figure = go.Figure(
         [
             go.Scatter(
-                x=_closed(y), y=_closed(force), mode="lines", name=name, line={"color": _shade(index, len(loops))}
+                x=_closed(y),
+                y=_closed(force),
+                mode="lines",
+                name=name,
+                line={"color": shade(index / max(len(loops) - 1, 1))},
             )
             for index, (name, y, force) in enumerate(loops)
         ]
     )
-    figure.update_xaxes(title_text="y / mm").update_yaxes(title_text="F / N")
+    every = np.concatenate([y for _, y, _ in loops])
+    figure.update_xaxes(title_text="y / mm", range=with_room(every)).update_yaxes(title_text="F / N")
     return styled(figure, title)
 
 
-def _shade(index: int, count: int) -> str:
-    """Give a colour from blue by purple to red: neighbouring conditions get neighbouring colours.
+def with_room(y: Array) -> tuple[float, float]:
+    """Give the range of an axis on which a loop's turns are seen whole: Plotly's own ends where lines do."""
+    low, high = float(np.nanmin(y)), float(np.nanmax(y))
+    room = ROOM * ((high - low) or 1.0)
+    return low - room, high + room
+
+
+def shade(share: float) -> str:
+    """Give a colour from blue (0) by purple to red (1): neighbouring conditions get neighbouring colours.
 
     None is as light as yellow or green, which a white page swallows, or as dark as a dark page.
     """
-    share = index / max(count - 1, 1)
     return f"hsl({210 + 150 * share:.0f}, 70%, 57%)"
 
 

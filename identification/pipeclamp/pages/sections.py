@@ -12,12 +12,11 @@ from pipeclamp.pages.comparison import answer_words, detail_sections, difference
 from pipeclamp.pages.diagnosis import diagnosis_answer, evidence_sections, promised
 from pipeclamp.pages.law import law_sections
 from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_promised
-from pipeclamp.pages.metrics import metrics_sections
+from pipeclamp.pages.metrics import metric_campaign_sections, metrics_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, RungBars, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table, vain_words
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
-from pipeclamp.show.metrics import metric_table
 from pipeclamp.show.views import known_scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import laws_held, least_error, stages_held
@@ -175,7 +174,7 @@ def metrics_page(tests: Tests, next_command: str = "") -> list[Section]:
     if isinstance(tests, RecordTests):
         first, *others = metrics_sections(tests.sines, tests.loops)
     elif isinstance(tests, MetricTests):
-        first, *others = [Section("All runs", (), [metric_table(tests.campaign)])]
+        first, *others = metric_campaign_sections(tests.campaign)
     else:
         raise TypeError(f"no page of the metrics of {type(tests).__name__}")
     return [replace(first, command=next_command), *others]

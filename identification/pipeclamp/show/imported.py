@@ -5,16 +5,19 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
-from pipeclamp_identification.importing.results.whole import FoundResults
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.shell import quoted, shell_line
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.importing.results.found import FoundResults
 
 MOST_NAMED = 3
 MOST_SHOWN = 60
@@ -71,7 +74,7 @@ def left_out_table(answer: ImportAnswer) -> Table:
     return Table(("file", "left out because"), [(one.file, one.why) for one in answer.left_out_files])
 
 
-def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ()) -> list[str]:
+def import_lines(found: Found | FoundResults, answer: ImportAnswer, called: Sequence[str] = ()) -> list[str]:
     """Say what was written, and what to know of it; `called` are the command's words, so that it can be said anew."""
     new = sum(run.new for run in answer.runs)
     done = "" if found.written else " (nothing is written)"
@@ -82,12 +85,14 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
         )
     else:
         files = counted(len(answer.new_files), "file")
-        head = f"{found.folder}: {counted(new, 'run')} of {files}{_known(answer)}{done}"
+        what = counted(new, "run") if isinstance(found, Found) else counted(new, "test")
+        how = "" if isinstance(found, Found) else ", known by stiffness and loss, without a record"
+        head = f"{found.folder}: {what} of {files}{how}{_known(answer)}{done}"
     lines = [head]
     if answer.left_out_files:
         count = len(answer.left_out_files)
         lines.append(f"{counted(count, 'file')} left out, for {'it' if count == 1 else 'they'} can't be used")
-    if answer.cut:
+    if answer.cut and isinstance(found, Found):
         why = Counter(one.why for one in answer.cut)
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
@@ -104,18 +109,19 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
         )
     if unknown := _without_temperature(answer):
         lines.append(
-            f"no temperature is known of {_counted_of(len(unknown), len(answer.runs))}: state it in runs.csv, or by "
+            f"no temperature is known of {_counted_of(len(unknown), answer.runs, found)}: state it in runs.csv, or by "
             "--pattern or --conditions when importing"
         )
     return lines
 
 
-def following_import(found: Found, answer: ImportAnswer, called: Sequence[str] = ()) -> str:
+def following_import(found: Found | FoundResults, answer: ImportAnswer, called: Sequence[str] = ()) -> str:
     """Give the shell line to run after an import, empty where there is none; `called` as for `import_lines`."""
     if _names_are_needed(answer):
         return again_with_pattern(found, answer, called) if called else ""
     is_there = found.written or not answer.new_files
-    return after_import(str(found.folder)) if is_there and any(run.cycles for run in answer.runs) else ""
+    serves = any(run.cycles for run in answer.runs) if isinstance(found, Found) else bool(found.campaign.runs)
+    return after_import(str(found.folder)) if is_there and serves else ""
 
 
 def _names_are_needed(answer: ImportAnswer) -> bool:
@@ -147,8 +153,9 @@ def again_with_pattern(found: Found | FoundResults, answer: ImportAnswer, called
     return shell_line(*words, "--pattern", answer.pattern)
 
 
-def _counted_of(some: int, count: int) -> str:
-    return counted(count, "run") if some == count else f"{some} of {count} runs"
+def _counted_of(some: int, runs: Sequence[object], found: Found | FoundResults) -> str:
+    what, count = "run" if isinstance(found, Found) else "test", len(runs)
+    return counted(count, what) if some == count else f"{some} of {count} {what}s"
 
 
 def _known(answer: ImportAnswer) -> str:
@@ -156,9 +163,31 @@ def _known(answer: ImportAnswer) -> str:
     return f", {count} more files were there already" if count else ""
 
 
-def import_view(found: Found, called: Sequence[str] = ()) -> View:
+def import_view(found: Found | FoundResults, called: Sequence[str] = ()) -> View:
     """Give an import's answer, tables and lines; `called` as for `import_lines`."""
     answer = found.answer()
-    tables = [columns_table(found.plan.files), imported_runs_table(answer, new_only=True)] if found.plan.files else []
+    if isinstance(found, Found):
+        runs = imported_runs_table(answer, new_only=True)
+    else:
+        runs = imported_tests_table(found, answer, new_only=True)
+    tables = [columns_table(found.files), runs] if found.files else []
     following = following_import(found, answer, called)
     return View(answer, tables, [*import_lines(found, answer, called), *([f"Next: {following}"] if following else [])])
+
+
+def imported_tests_table(found: FoundResults, answer: ImportAnswer, *, new_only: bool = False) -> Table:
+    """Give every test that can be used with its stiffness and loss; or the first of the new ones alone."""
+    from pipeclamp.show.metrics import STORED_AND_LOST, stored_and_lost
+
+    sources = {run.run: run.file for run in answer.runs}
+    runs = [run for run in found.campaign.runs if run.name in found.new or not new_only]
+    shown = runs[:MOST_SHOWN] if new_only else runs
+    rows = [
+        (
+            run.name, sources.get(run.name), run.amplitude_mm, run.frequency_Hz, run.temperature_C,
+            *stored_and_lost(run),
+        )
+        for run in shown
+    ]  # fmt: skip
+    more = f"the first {len(shown)} of {len(runs)} tests; the page holds all" if len(shown) < len(runs) else ""
+    return Table(("run", "file", "A / mm", "f / Hz", "T / °C", *STORED_AND_LOST), rows, more)

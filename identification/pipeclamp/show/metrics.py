@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.reading import Campaign
@@ -11,26 +13,30 @@ from pipeclamp_identification.loops.answer import metrics_answer
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import Metrics, metrics_of
 from pipeclamp_identification.loops.one_condition import Variation, principal_variations, variations_of
-from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
 from pipeclamp_identification.metrics_only.metrics_answer import metric_rows_answer
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.units import CELSIUS
 
+MOST_SHOWN = 60
+"""Runs that a terminal shows; thousands would only scroll by."""
 
-def metric_table(campaign: MetricCampaign) -> Table:
-    """Give a campaign of metrics as a table."""
+
+def metric_table(campaign: MetricCampaign, most: int | None = None) -> Table:
+    """Give a campaign of metrics as a table, or the first `most` runs of it."""
     rows = [
         (
             run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.dissipated_energy_J,
             run.max_elastic_energy_J, run.loss_factor, run.stiffness,
         )
-        for run in campaign.runs
+        for run in campaign.runs[:most]
     ]  # fmt: skip
+    more = f"; the first {len(rows)} of {len(campaign.runs)} runs" if len(rows) < len(campaign.runs) else ""
     return Table(
         ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "W / J", "eta", "k / N/mm"),
         rows,
-        "Jiang et al. 2020, Eq. 1-6, as stated",
+        f"Jiang et al. 2020, Eq. 1-6, as stated{more}",
     )
 
 
@@ -40,15 +46,47 @@ MEANINGS = (
 )
 
 
+STORED_AND_LOST = ("k' / N/mm", "k'' / N/mm", "δ / °")
+"""Heads of what `stored_and_lost` gives."""
+OF_A_SINE = (
+    "k' is the storage stiffness, in phase with the displacement, k'' the loss stiffness, a quarter of a cycle before "
+    "it, and δ the loss angle between force and displacement: tan δ = k''/k'."
+)
+
+
+def stored_and_lost(run: MetricRun) -> tuple[float | None, float | None, float | None]:
+    """Give a test's storage and loss stiffness in N/mm and its loss angle in degrees; None where no sine has them."""
+    angle = run.loss_angle
+    if math.isnan(angle):
+        return None, None, None
+    return run.stiffness * math.cos(angle), run.stiffness * math.sin(angle), math.degrees(angle)
+
+
 def metrics_words(metrics: Metrics) -> str:
     """Say over which ranges the metrics of runs lie."""
+    return _ranges_words(metrics.dissipated_energy_J, metrics.loss_factor, metrics.stiffness_N_mm)
+
+
+MEANINGS_STATED = (
+    "dW is the energy dissipated in a cycle and W the largest elastic energy, eta = dW/(2 pi W) the loss factor, and "
+    "k = 2 W/X0² the stiffness, with X0 the amplitude."
+)
+
+
+def metric_campaign_words(campaign: MetricCampaign) -> str:
+    """Say over which ranges metrics without records lie."""
+    runs = [(run.dissipated_energy_J, run.loss_factor, run.stiffness) for run in campaign.runs]
+    return _ranges_words(*np.array(runs).T)
+
+
+def _ranges_words(dissipated_energy_J: Array, loss_factor: Array, stiffness_N_mm: Array) -> str:
     ranges = (
-        (metrics.dissipated_energy_J, "dissipated energy {} J a cycle"),
-        (metrics.loss_factor, "loss factor {}"),
-        (metrics.stiffness_N_mm, "stiffness {} N/mm"),
+        (dissipated_energy_J, "dissipated energy {} J a cycle"),
+        (loss_factor, "loss factor {}"),
+        (stiffness_N_mm, "stiffness {} N/mm"),
     )
     told = [words.format(_range(values)) for values, words in ranges]
-    return f"{counted(len(metrics.loss_factor), 'run')}: {', '.join(told)}."
+    return f"{counted(len(loss_factor), 'run')}: {', '.join(told)}."
 
 
 def _range(values: Array) -> str:
@@ -58,7 +96,12 @@ def _range(values: Array) -> str:
 
 def axis_of(study: Variation) -> str:
     """Give the name and unit of what a study varies."""
-    return AXES.get(study.quantity, study.quantity)
+    return axis_of_quantity(study.quantity)
+
+
+def axis_of_quantity(quantity: str) -> str:
+    """Give the name and unit of a column of runs.csv."""
+    return AXES.get(quantity, quantity)
 
 
 def study_title(study: Variation) -> str:
@@ -106,6 +149,7 @@ AXES = {
     "amplitude_mm": "A / mm",
     "density_g_cm3": "density / g/cm³",
     "temperature_C": "T / °C",
+    "first_cycle": "cycles before",
 }
 
 
@@ -145,5 +189,5 @@ def metrics_view(campaign: Campaign, loops: Loops) -> View:
 
 def metric_rows_view(campaign: MetricCampaign) -> View:
     """Tell metrics that were stated without records."""
-    lines = (f"{counted(len(campaign.runs), 'run')}, known by metrics alone",)
-    return View(metric_rows_answer(campaign), [metric_table(campaign)], lines)
+    lines = (metric_campaign_words(campaign), f"They are known by metrics alone, without records. {MEANINGS_STATED}")
+    return View(metric_rows_answer(campaign), [metric_table(campaign, MOST_SHOWN)], lines)

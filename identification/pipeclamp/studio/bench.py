@@ -11,6 +11,7 @@ from pathlib import Path
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UserError
@@ -82,18 +83,17 @@ class Bench:
         return OneRun(row, alone, replace(self.loops, rows=(self.loops.rows[row],)))
 
 
-def read_bench(campaign: str) -> Bench:
-    """Read a campaign.
+def read_bench(campaign: str) -> Bench | MetricTests:
+    """Read a campaign; of metrics without records there are no loops to be clicked at.
 
     Raises:
-        UserError: it can't be read, or holds no records of loops.
+        UserError: it can't be read.
     """
     tests = read_tests(Path(campaign))
-    if not isinstance(tests, RecordTests):
-        raise UserError(
-            f"{campaign}: holds metrics without records; the studio shows loops, `pipeclamp compare` takes metrics"
-        )
-    return Bench(tests)
+    if isinstance(tests, RecordTests):
+        return Bench(tests)
+    assert isinstance(tests, MetricTests)
+    return tests
 
 
 def changed(law: Law, values: Mapping[str, float]) -> Law:

@@ -14,9 +14,9 @@ from pipeclamp_models.base.shell import quoted, shell_line
 from pipeclamp_models.law.file import NamedKind
 
 BASES = {
-    "power": "k₁, k₃, c, α as powers of A and f (Eq. 17): begin here",
-    "memory": "the same with one elastic-slip element (Eq. 14)",
-    "series": "a series in y and v (Eq. 10)",
+    "power": "k₁, k₃, c, α as powers of A, f and T (Eq. 17 of Jiang et al. 2020): begin here",
+    "memory": "the same with one elastic-slip element (Eq. 14 there)",
+    "series": "a series in y and v (Eq. 10 there)",
 }
 
 

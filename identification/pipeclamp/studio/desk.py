@@ -13,7 +13,8 @@ from pipeclamp.studio.jobs import Job, Jobs
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.session import SessionStep
 from pipeclamp.studio.work import JobTask
-from pipeclamp_identification.campaign.bundled import bundled_campaign, bundled_campaigns
+from pipeclamp_identification.campaign.bundled import bundled_campaigns
+from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_models.base.errors import UserError
 
 HOME = "pipeclamp_studio"
@@ -21,8 +22,17 @@ HOME = "pipeclamp_studio"
 
 
 @dataclass(frozen=True)
+class OpenedMetrics:
+    """A campaign of metrics without records that is open: its name in addresses, as a command takes it, its tests."""
+
+    key: str
+    campaign: str
+    tests: MetricTests
+
+
+@dataclass(frozen=True)
 class Opened:
-    """A campaign that is open.
+    """A campaign of records that is open.
 
     Attributes:
         key: its name in addresses.
@@ -53,23 +63,35 @@ class Desk:
         self.home = home
         uploads.clear_abandoned(home)
         self.jobs = Jobs()
-        self._opened: dict[str, Opened] = {}
+        self._opened: dict[str, Opened | OpenedMetrics] = {}
         self._lock = threading.Lock()
         self.first = ""
         if campaign:
-            bench = read_bench(campaign)
             self.first = key_of(campaign)
-            self._opened[self.first] = Opened(self.first, Project(campaign, home), bench)
+            self._opened[self.first] = _opened(self.first, campaign, home)
 
     def choices(self) -> tuple[list[str], list[str]]:
         """Give the campaigns that can be opened: imported ones, and those that come with the program."""
         imported = sorted(
             path.parent.name for path in self.home.glob("*/campaign.toml") if not path.parent.is_symlink()
         )
-        bundled = [name for name in bundled_campaigns() if _has_records(bundled_campaign(name))]
-        return imported, bundled
+        return imported, list(bundled_campaigns())
 
-    def open(self, key: str) -> Opened:
+    def open_records(self, key: str) -> Opened:
+        """Open a campaign of records as `open` does.
+
+        Raises:
+            UserError: it holds metrics without records.
+        """
+        found = self.open(key)
+        if isinstance(found, OpenedMetrics):
+            raise UserError(
+                f"{key}: holds metrics without records; the studio shows them, and has no loops to fit laws to: the "
+                "commands on its page do"
+            )
+        return found
+
+    def open(self, key: str) -> Opened | OpenedMetrics:
         """Open a campaign of the studio's folder or a bundled one, or give it where it is open.
 
         Raises:
@@ -84,8 +106,7 @@ class Desk:
                         f"{key!r}: no campaign of this studio; expected one of {', '.join(imported + bundled)}"
                     )
                 campaign = str(self.home / key) if key in imported else key
-                found = Opened(key, Project(campaign, self.home / f"{key}_laws"), read_bench(campaign))
-                self._opened[key] = found
+                found = self._opened[key] = _opened(key, campaign, self.home / f"{key}_laws")
             return found
 
     def forget(self, key: str) -> None:
@@ -129,5 +150,13 @@ def default_home(campaign: str) -> Path:
     return Path(f"{Path(campaign).resolve().name}_studio" if campaign else HOME)
 
 
-def _has_records(folder: Path) -> bool:
-    return (folder / "runs").is_dir()
+def _opened(key: str, campaign: str, folder: Path) -> Opened | OpenedMetrics:
+    """Read a campaign; the folder is that of its laws.
+
+    Raises:
+        UserError: it can't be read, or the folder can't be made or holds the laws of another campaign.
+    """
+    tests = read_bench(campaign)
+    if isinstance(tests, MetricTests):
+        return OpenedMetrics(key, campaign, tests)
+    return Opened(key, Project(campaign, folder), tests)

@@ -9,16 +9,21 @@ from typing import Any
 import jinja2
 
 from pipeclamp.api.tests import Tests
-from pipeclamp.pages.page import templates_of
+from pipeclamp.pages.page import drawn_of, templates_of
+from pipeclamp.pages.sweeps import of_energy, sweep_sections
 from pipeclamp.pages.waterfall import USED, RungBars, waterfall_picture
+from pipeclamp.show.metrics import MEANINGS_STATED, metric_campaign_words, metric_table
+from pipeclamp.show.table import cell
 from pipeclamp.studio import commands, overview
-from pipeclamp.studio.desk import Desk, Opened
+from pipeclamp.studio.desk import Desk, Opened, OpenedMetrics
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_identification.workflow.next_command import after_change, after_identification, after_import
+from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError
 
@@ -87,6 +92,27 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
     )
 
 
+def metrics_page(opened: OpenedMetrics) -> str:
+    """Give the page of a campaign of metrics: what was measured, and the commands that go on; it has no loops."""
+    tests, campaign = opened.tests, opened.campaign
+    drawn = [
+        {"title": section.title, "words": section.paragraphs, "pictures": [drawn_of(one) for one in section.figures]}
+        for section in sweep_sections(tests.campaign, of_energy(tests.campaign))
+    ]
+    first = after_import(campaign)
+    lines = [first, after_identification("law.json", campaign), after_change("law.json", campaign)]
+    return page(
+        "metrics.html.jinja",
+        campaign=tests.name,
+        summary=_summary(tests),
+        notes=[*map(str, tests.left_out), *tests.remarks],
+        words=[metric_campaign_words(tests.campaign), MEANINGS_STATED],
+        drawn=drawn,
+        table=metric_table(tests.campaign),
+        lines=lines,
+    )
+
+
 def _last_diagnosis(project: Project, law: str | None) -> str:
     """Give the command that diagnosed a law last."""
     done = [step.command for step in project.steps if step.of == law and step.law is None]
@@ -103,11 +129,12 @@ def warm_drawing() -> None:
 def warm(desk: Desk) -> None:
     """Make what the first page needs, before it is asked for."""
     with suppress(UserError):  # whoever asks is told
-        if desk.first:
-            campaign_page(desk.open(desk.first), None, by="", beside="")
+        opened = desk.open(desk.first) if desk.first else None
+        if isinstance(opened, Opened):
+            campaign_page(opened, None, by="", beside="")
 
 
-def _summary(tests: RecordTests) -> str:
+def _summary(tests: RecordTests | MetricTests) -> str:
     """Say how many runs there are, and over which conditions."""
     told = str(Tests(tests, tests.name)).splitlines()[0]
     return told.removeprefix(f"{tests.name}: ")
@@ -121,6 +148,7 @@ def page(template: str, **content: Any) -> str:
 @cache
 def _environment() -> jinja2.Environment:
     environment = templates_of("pipeclamp.studio")
+    environment.filters["cell"] = cell
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = sentence
     environment.filters["one_digit"] = one_digit

@@ -20,11 +20,11 @@ from starlette.staticfiles import StaticFiles
 from pipeclamp.pages.page import asset
 from pipeclamp.studio import commands, overview, uploads
 from pipeclamp.studio.bench import changed, with_candidate
-from pipeclamp.studio.desk import Desk, Opened
+from pipeclamp.studio.desk import Desk, Opened, OpenedMetrics
 from pipeclamp.studio.jobs import Job
 from pipeclamp.studio.loop_picture import run_picture
 from pipeclamp.studio.on_pipe import temperatures_of
-from pipeclamp.studio.rendering import campaign_page, page
+from pipeclamp.studio.rendering import campaign_page, metrics_page, page
 from pipeclamp.studio.security import TooLargeError
 from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
@@ -114,7 +114,7 @@ class Pages:
         self.desk = desk
 
     def _opened(self, request: Request) -> Opened:
-        return self.desk.open(request.path_params["key"])
+        return self.desk.open_records(request.path_params["key"])
 
     @_in_thread
     def home(self, request: Request) -> Response:
@@ -137,14 +137,16 @@ class Pages:
     @_in_thread
     def campaign(self, request: Request) -> Response:
         """Give a campaign's page with its newest law."""
-        return self._shown(self._opened(request), None, request)
+        return self._shown(self.desk.open(request.path_params["key"]), None, request)
 
     @_in_thread
     def law(self, request: Request) -> Response:
         """Give the page of a law."""
         return self._shown(self._opened(request), request.path_params["law"], request)
 
-    def _shown(self, opened: Opened, name: str | None, request: Request) -> Response:
+    def _shown(self, opened: Opened | OpenedMetrics, name: str | None, request: Request) -> Response:
+        if isinstance(opened, OpenedMetrics):
+            return HTMLResponse(metrics_page(opened))
         asked = request.query_params
         return HTMLResponse(campaign_page(opened, name, by=asked.get("by", ""), beside=asked.get("with", "")))
 

@@ -136,7 +136,6 @@ def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> d
     from pipeclamp.api.importing import import_files
     from pipeclamp.pages.imported import first_look
     from pipeclamp.show.table import cell
-    from pipeclamp_identification.importing.results.whole import FoundResults
 
     found = import_files(files, folder, progress=tell, **stated)
     view = found.view()
@@ -147,7 +146,7 @@ def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> d
     return {
         "lines": [*view.lines, *found.notes],
         "tables": tables,
-        "loops": None if isinstance(found.found, FoundResults) else first_look(found.found),
+        "loops": first_look(found.found),
         "written": found.written,
         "name": Path(folder).name,
     }

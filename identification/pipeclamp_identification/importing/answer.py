@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import Field
 
-from pipeclamp_identification.campaign.description import Imported, LeftOutFile
+from pipeclamp_identification.campaign.description import Imported, ImportedCut, ImportedFile, LeftOutFile
 from pipeclamp_identification.campaign.judging import JudgedRuns
 from pipeclamp_identification.campaign.runs_table import RunRow
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.importing.looked_at import LookedAt
 from pipeclamp_identification.importing.plan import Plan
+from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 
 
@@ -54,6 +57,25 @@ class ImportAnswer(AnswerModel):
     notes: tuple[str, ...]
 
 
+def taken_columns(files: Sequence[ImportedFile]) -> dict[str, dict[str, str]]:
+    """Give channel and factor of each column, by file."""
+    return {
+        one.file: {
+            name: f"{column.channel} {Conversion(column.factor, column.offset).words()}"
+            for name, column in one.columns.items()
+        }
+        for one in files
+    }
+
+
+def cut_answers(cut: Sequence[ImportedCut]) -> tuple[ImportedCutAnswer, ...]:
+    """Give what is in no run."""
+    return tuple(
+        ImportedCutAnswer(file=one.file, table=one.table, first=one.samples[0], last=one.samples[1], why=one.why)
+        for one in cut
+    )
+
+
 @dataclass(frozen=True)
 class Found:
     """What an import found: the plan, the campaign as a reader finds it, and what campaign.toml says of it.
@@ -76,6 +98,16 @@ class Found:
     looked: LookedAt
     imported: Imported
     written: bool
+
+    @property
+    def files(self) -> tuple[ImportedFile, ...]:
+        """Files that are new."""
+        return self.plan.files
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """Runs that can't be used."""
+        return self.judged.left_out
 
     def notes(self) -> tuple[str, ...]:
         """Give what to know of the campaign, of its channels and units first."""
@@ -109,17 +141,9 @@ class Found:
             written=self.written,
             new_files=tuple(one.file for one in self.plan.files),
             known_files=self.plan.known,
-            columns={
-                one.file: {name: f"{column.channel} x {column.factor:.6g}" for name, column in one.columns.items()}
-                for one in self.imported.files
-            },
+            columns=taken_columns(self.imported.files),
             runs=tuple(rows),
-            cut=tuple(
-                ImportedCutAnswer(
-                    file=one.file, table=one.table, first=one.samples[0], last=one.samples[1], why=one.why
-                )
-                for one in self.imported.cut
-            ),
+            cut=cut_answers(self.imported.cut),
             left_out=left_out_runs(self.judged.left_out),
             left_out_files=self.imported.left_out,
             pattern=self.plan.pattern,

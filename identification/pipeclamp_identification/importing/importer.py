@@ -17,7 +17,7 @@ from pipeclamp_identification.importing.columns import Mapped, listed, unused_wo
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in, settings_of
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls
-from pipeclamp_identification.importing.reading import digest_of, stem_of
+from pipeclamp_identification.importing.reading import Contents, digest_of, stem_of
 from pipeclamp_identification.importing.stated import LeaveOut, Options
 from pipeclamp_identification.importing.taking import (
     Draft,
@@ -33,6 +33,7 @@ from pipeclamp_identification.importing.unusable import (
     UnusableFileError,
     UnusableFiles,
     are_no_strays,
+    foremost,
     listed_why,
 )
 from pipeclamp_identification.units.stated import conversion, is_unit
@@ -80,39 +81,27 @@ def plan_import(
         UserError: files can't be used and mustn't be left out; what a channel is, is open and there is nobody to ask; a
             name doesn't follow the pattern; no run can be used.
     """
-    known = known or {}
+    contents = Contents(known or {})
+    digests = frozenset((known or {}).values())
     unusable: dict[Path, UnusableFileError] = {}
     planner = _Planner(options, set(taken))
-    names = {digest: name for name, digest in known.items()}
-    new: dict[str, str] = {}
-    again: list[str] = []
-    way = Way(options.columns, options.rate, options.timed, options.ask is not None, records, format, frozenset(names))
+    way = Way(options.columns, options.rate, options.timed, options.ask is not None, records, format, digests)
     for path, file in zip(paths, taken_files(paths, way, options.ask, progress), strict=True):
-        called = file_name(path)
         if isinstance(file, UnusableFileError):
             unusable[path] = file
-            if not new and not again and are_no_strays([*unusable.values()]):
-                raise next(iter(unusable.values()))
+            if not contents and are_no_strays([*unusable.values()]):
+                raise foremost([*unusable.values()])
             continue
-        if isinstance(file, KnownFile):
-            again.append(called)
-            continue
-        if (other := new.get(file.file.sha256)) is not None:
-            planner.note(f"{called}: left aside, for it has the same content as {other}: one measurement counts once")
-            continue
-        if called in known:
-            raise UserError(
-                f"{path}: the campaign holds a file of this name with other content; expected another name, or a new "
-                "campaign"
-            )
-        if called in new.values():
-            raise UserError(f"{path}: another file has this name; expected a name of its own for each")
-        new[file.file.sha256] = called
-        planner.add(path, file)
-    return planner.plan(tuple(again), _left_out(unusable, len(paths), left_out, options.leave_out))
+        if contents.is_new(path, file.sha256 if isinstance(file, KnownFile) else file.file.sha256):
+            assert isinstance(file, TakenFile)
+            planner.add(path, file)
+    for words in contents.notes:
+        planner.note(words)
+    again = tuple(contents.again)
+    return planner.plan(again, left_out_files(unusable, len(paths), left_out, options.leave_out))
 
 
-def _left_out(
+def left_out_files(
     unusable: Mapping[Path, UnusableFileError], files: int, before: Sequence[LeftOutFile], leave_out: LeaveOut
 ) -> tuple[LeftOutFile, ...]:
     """Give the files that are left out, where they may be.

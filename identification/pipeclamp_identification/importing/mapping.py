@@ -56,11 +56,10 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     Raises:
         UserError: no table does, or what a channel is, is open and nobody can be asked.
     """
-    said = [one.ours for one in stated]
-    results = [table for table in source.tables if frequency_of_results(table, said)]
+    results = [table for table in source.tables if frequency_of_results(table, stated)]
     tables = tuple(table for table in source.tables if not any(table is one for one in results))
     if not tables:
-        raise ResultsFileError(where_of(source, results[0]), results_words(results[0], said))
+        raise ResultsFileError(where_of(source, results[0]), results_words(results[0], stated))
     whole = [table for table in tables if _is_whole(table, stated)]
     if not whole or len(tables) == 1:
         parts = by_own_times(tables[0]) if len(tables) == 1 else tables

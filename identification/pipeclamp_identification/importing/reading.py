@@ -8,7 +8,7 @@ import logging
 import pkgutil
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -115,6 +115,50 @@ def digest_of(path: Path) -> str:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
         raise _unusable(path, f"can't be read ({error.strerror})") from error
+
+
+class Contents:
+    """Tells the files of an import apart by their content.
+
+    Attributes:
+        again: names of files whose content the campaign holds already.
+        notes: which were left aside beside others of the same content.
+    """
+
+    def __init__(self, known: Mapping[str, str]) -> None:
+        """Take the SHA-256 of files that the campaign holds, by name."""
+        self._known = known
+        self._new: dict[str, str] = {}
+        self.again: list[str] = []
+        self.notes: list[str] = []
+
+    def __bool__(self) -> bool:
+        """Tell whether any file has served yet."""
+        return bool(self._new or self.again)
+
+    def is_new(self, path: Path, sha256: str) -> bool:
+        """Tell whether a file is to be taken.
+
+        Raises:
+            UserError: another one has its name.
+        """
+        called = file_name(path)
+        if sha256 in self._known.values():
+            self.again.append(called)
+            return False
+        if (other := self._new.get(sha256)) is not None:
+            words = f"{called}: left aside, for it has the same content as {other}: one measurement counts once"
+            self.notes += [] if words in self.notes else [words]
+            return False
+        if called in self._known:
+            raise UserError(
+                f"{path}: the campaign holds a file of this name with other content; expected another name, or a new "
+                "campaign"
+            )
+        if called in self._new.values():
+            raise UserError(f"{path}: another file has this name; expected a name of its own for each")
+        self._new[sha256] = called
+        return True
 
 
 def read_file(path: Path) -> SourceFile:

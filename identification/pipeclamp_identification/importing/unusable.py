@@ -85,9 +85,9 @@ class UnusableFiles:
 
     def refusal(self) -> UserError:
         """Give the one message that tells all of them, and what to do."""
-        results = [error for error in self.errors.values() if isinstance(error, ResultsFileError)]
-        if self.files == 1 or (len(results) == self.files):
-            return next(iter(self.errors.values()))
+        first = foremost([*self.errors.values()])
+        if self.files == 1 or (not self.others and isinstance(first, ResultsFileError)):
+            return first
         lines = [f"{self.heading()}; nothing was written", *self.lines()]
         if self.others:
             others = "the other file" if self.others == 1 else f"the other {self.others}"
@@ -97,6 +97,11 @@ class UnusableFiles:
             damaged = [path for path, error in self.errors.items() if error.is_damaged]
             lines = [str(lacking[0]), *map(self._line, damaged[:MOST_TOLD])]
         return UserError("\n  ".join(lines))
+
+
+def foremost(errors: Sequence[UnusableFileError]) -> UnusableFileError:
+    """Give the error that counts where no file serves: that of results, which are imported by themselves."""
+    return next((error for error in errors if isinstance(error, ResultsFileError)), errors[0])
 
 
 def are_no_strays(first: Sequence[UnusableFileError]) -> bool:

@@ -92,10 +92,10 @@ def import_whole(
             files, options, drafts, format=format, known=existing.known if existing else {}, left_out=before.left_out,
             taken=taken, progress=tell,
         )  # fmt: skip
-        plan = replace(plan, notes=(*([RESTORED] if back else []), *plan.notes, *_passed_over_words(paths)))
+        plan = replace(plan, notes=(*([RESTORED] if back else []), *plan.notes, *passed_over_words(paths)))
         if not plan.files and existing is None:
             raise UserError("no file was named; expected test machines' files")
-        if existing and not plan.files and not is_left_out_anew(plan, existing):
+        if existing and not plan.files and not is_left_out_anew(plan.left_out, existing):
             return _found(folder, folder, plan, existing.imported, tell, written=False)
         refuse_other_time(existing, plan)
         tell("the campaign as a whole")
@@ -114,7 +114,7 @@ def import_whole(
     return found
 
 
-def _passed_over_words(paths: Sequence[Path]) -> list[str]:
+def passed_over_words(paths: Sequence[Path]) -> list[str]:
     """Say which files of folders aren't read, for no format has their ending."""
     names = list(map(without_controls, passed_over_in(paths)))
     return [f"not read, for no known format has such an ending: {listed(names)}"] if names else []

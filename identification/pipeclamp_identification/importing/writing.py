@@ -17,6 +17,7 @@ from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.description import (
     CampaignDescription,
     Imported,
+    ImportedFile,
     LeftOutFile,
     description_text,
     read_description,
@@ -82,15 +83,10 @@ def existing_campaign(folder: Path) -> Existing | None:
     return Existing(folder, description, text.partition(OURS)[0], rows)
 
 
-def table_text(plan: Plan, files: Mapping[str, str], before: Sequence[Mapping[str, str]]) -> str:
-    """Give runs.csv: rows that were there, as they were, and those of the plan; `files` are of their records."""
+def table_text(before: Sequence[Mapping[str, str]], new: Sequence[Mapping[str, float | str | None]]) -> str:
+    """Give runs.csv: rows that were there, as they were, and new ones."""
     rows: list[dict[str, str]] = [dict(row) for row in before]
-    for run in plan.runs:
-        cells = {"run": run.name, "file": files[run.name]} | {
-            name: "" if value is None else value if isinstance(value, str) else f"{value:.10g}"
-            for name, value in run.row.items()
-        }
-        rows.append(cells)
+    rows += [{name: _cell(value) for name, value in row.items()} for row in new]
     names = dict.fromkeys(name for row in rows for name in row)
     header = [
         *(name for name in FIRST_COLUMNS if name in names),
@@ -101,6 +97,10 @@ def table_text(plan: Plan, files: Mapping[str, str], before: Sequence[Mapping[st
     writer.writeheader()
     writer.writerows(rows)
     return stream.getvalue()
+
+
+def _cell(value: float | str | None) -> str:
+    return "" if value is None else value if isinstance(value, str) else f"{value:.10g}"
 
 
 def imported_text(imported: Imported) -> str:
@@ -173,14 +173,15 @@ def write_campaign(
         files[run.name] = f"runs/{stem}.{format}"
         run.record.rename(work / files[run.name])
     rows = existing.rows if existing else ()
-    (work / runs_table.FILE_NAME).write_text(table_text(plan, files, rows), encoding="utf-8", newline="\n")
+    new = [{"run": run.name, "file": files[run.name], **run.row} for run in plan.runs]
+    (work / runs_table.FILE_NAME).write_text(table_text(rows, new), encoding="utf-8", newline="\n")
     before = existing.imported if existing else Imported()
     imported = Imported(
         software=software,
         files=(*before.files, *plan.files),
         runs=(*before.runs, *(run.source for run in plan.runs)),
         cut=(*before.cut, *plan.cut),
-        left_out=_left_out(before, plan),
+        left_out=still_left_out(before, plan.files, plan.left_out),
     )
     write_description(work, head_of(existing, plan, name, notes), imported)
     return imported
@@ -204,15 +205,17 @@ def refuse_other_time(existing: Existing | None, plan: Plan) -> None:
         )
 
 
-def is_left_out_anew(plan: Plan, existing: Existing) -> bool:
-    """Tell whether a plan leaves files out that the campaign doesn't name yet."""
-    return any(one not in existing.imported.left_out for one in plan.left_out)
+def is_left_out_anew(left_out: Sequence[LeftOutFile], existing: Existing) -> bool:
+    """Tell whether files are left out that the campaign doesn't name yet."""
+    return any(one not in existing.imported.left_out for one in left_out)
 
 
-def _left_out(before: Imported, plan: Plan) -> tuple[LeftOutFile, ...]:
+def still_left_out(
+    before: Imported, files: Sequence[ImportedFile], left_out: Sequence[LeftOutFile]
+) -> tuple[LeftOutFile, ...]:
     """Give the files that are left out: those of earlier imports as long as no file of their name came in."""
-    anew = {one.file for one in plan.files} | {one.file for one in plan.left_out}
-    return (*(one for one in before.left_out if one.file not in anew), *plan.left_out)
+    anew = {one.file for one in files} | {one.file for one in left_out}
+    return (*(one for one in before.left_out if one.file not in anew), *left_out)
 
 
 def write_description(work: Path, head: str, imported: Imported) -> None:

@@ -110,6 +110,11 @@ def loops_to_draw(loops: Loops, variation: Variation, points: int = 256) -> tupl
     return tuple(zip(y, force, strict=True))
 
 
+def same_setting(quantity: str, values: Array) -> Array:
+    """Give how far settings of a quantity that are meant to be the same lie apart at these values, at most."""
+    return np.maximum(SAME_SETTING_SHARE * np.abs(values), KELVINS if quantity == "temperature_C" else 0.0)
+
+
 def _score(variation: Variation) -> tuple[int, int]:
     return sum(row is not None for row in variation.published), len(variation.rows)
 
@@ -132,15 +137,15 @@ def _levels(campaign: Campaign, loops: Loops) -> dict[str, Array]:
         "temperature_C": of(lambda run: run.temperature_C),
         **loops.conditions,
     }
-    return {name: _together(values, KELVINS if name == "temperature_C" else 0.0) for name, values in quantities.items()}
+    return {name: levels_of(name, values) for name, values in quantities.items()}
 
 
-def _together(values: Array, absolute: float) -> Array:
-    """Replace values by the mean, to four digits, of those that lie together."""
+def levels_of(quantity: str, values: Array) -> Array:
+    """Replace values of a quantity by the mean, to four digits, of those that lie together; nan stays."""
     rising = np.unique(values[np.isfinite(values)])
     if len(rising) == 0:
         return values
-    apart = np.diff(rising) > np.maximum(SAME_SETTING_SHARE * np.abs(rising[1:]), absolute)
+    apart = np.diff(rising) > same_setting(quantity, rising[1:])
     level = np.concatenate([[0], np.cumsum(apart)])
     places = np.searchsorted(rising, values[np.isfinite(values)])
     result = values.copy()

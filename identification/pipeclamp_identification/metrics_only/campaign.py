@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,8 @@ MOST_DISSIPATED = 8.0
 X0."""
 OF_A_PHASE = ("storage_stiffness_N_mm", "loss_stiffness_N_mm")
 """Stiffness in phase with the displacement and with the velocity: of a sine, k = |k' + i k''|, dW = pi k'' X0^2."""
+RECKONED = 1e50
+"""Largest number, and the reciprocal of the smallest, of which squares and products are surely numbers, too."""
 AGREEING_SHARE = 0.01
 """A third metric that is stated beside two others must agree with them to this share, rounding aside."""
 
@@ -61,6 +63,11 @@ class MetricRun:
         """Loss factor, eta = dW/(2 pi W), Eq. 6."""
         return self.dissipated_energy_J / (2 * math.pi * self.max_elastic_energy_J)
 
+    @property
+    def loss_angle(self) -> float:
+        """Angle in rad by which the force of a sine leads the displacement, sin(delta) = eta; nan of a fuller loop."""
+        return math.asin(self.loss_factor) if self.loss_factor <= 1 else math.nan
+
 
 @dataclass(frozen=True)
 class MetricCampaign:
@@ -87,13 +94,14 @@ def metric_campaign_of(
     _refuse_half(folder / FILE_NAME, table)
     runs: list[MetricRun] = []
     left_out: list[LeftOut] = []
+    first: dict[tuple[object, ...], str] = {}
     for row in table.rows:
         reason = _unusable(row)
         run = None if reason else _run(folder / FILE_NAME, row)
         if run:
             reason = _impossible(run)
-        twin = next((other.name for other in runs if run and _same(run, other)), None)
-        if twin:
+        twin = first.setdefault(_numbers_of(run), run.name) if run and not reason else row.run
+        if twin != row.run:
             reason = f"it has the same numbers as run {twin!r}: one measurement, counted once"
         if reason:
             left_out.append(LeftOut(row.run, reason))
@@ -130,6 +138,9 @@ def _unusable(row: RunRow) -> str:
     for column, value in (("amplitude_mm", row.amplitude_mm), ("frequency_Hz", row.frequency_Hz)):
         if value is None:
             return f"{column} isn't known, and there is no record to measure it from"
+    numbers = [row.amplitude_mm, row.frequency_Hz, *(metric.value for metric in row.metrics.values())]
+    if any(number and not 1 / RECKONED <= number <= RECKONED for number in numbers):
+        return f"a number of it is below {1 / RECKONED:g} or above {RECKONED:g}, as none of a test is"
     stated = set(row.metrics)
     if stated >= set(OF_A_PHASE):
         return ""
@@ -194,7 +205,7 @@ def _of_a_sine(
     """Give dW and W of storage and loss stiffness, each with what rounding leaves open of it, as a share."""
     (storage, of_storage), (loss, of_loss) = (stated[column] for column in OF_A_PHASE)
     whole = math.hypot(storage, loss)
-    rounding = math.hypot(storage**2 * of_storage, loss**2 * of_loss) / whole**2
+    rounding = math.hypot((storage / whole) ** 2 * of_storage, (loss / whole) ** 2 * of_loss)
     return (2 * math.pi * loss * half_square, of_loss), (whole * half_square, rounding)
 
 
@@ -209,9 +220,11 @@ def _impossible(run: MetricRun) -> str:
     )
 
 
-def _same(one: MetricRun, other: MetricRun) -> bool:
-    """Tell whether two rows are one measurement: tables repeat the row that they have in common."""
-    return replace(one, name=other.name) == other
+def _numbers_of(run: MetricRun) -> tuple[object, ...]:
+    """Give what two rows that are one measurement share, as tables repeat the row that they have in common."""
+    known = tuple((name, value) for name, value in run.conditions.items() if not math.isnan(value))
+    own = tuple(getattr(run, one.name) for one in fields(run) if one.name not in ("name", "conditions"))
+    return (*own, known)
 
 
 def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES_PER_CYCLE) -> MetricObservations:

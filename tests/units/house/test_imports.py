@@ -18,8 +18,8 @@ ROOMS = {
     "pipeclamp_fmu": ("slaves", "describe", "contents", "python", "native"),
     "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "bands", "study"),
     "pipeclamp_identification": (
-        "signals", "units", "campaign", "importing", "loops", "fitting", "comparison", "diagnosis", "discovery",
-        "metrics_only", "on_pipe", "attribution", "planning", "workflow",
+        "signals", "units", "campaign", "loops", "fitting", "comparison", "diagnosis", "discovery", "metrics_only",
+        "importing", "on_pipe", "attribution", "planning", "workflow",
     ),
     "pipeclamp": ("show", "pages", "api", "studio", "cli"),
 }  # fmt: skip

@@ -171,3 +171,13 @@ def test_the_version_to_cite_is_the_packages():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     cited = re.search(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.M)
     assert cited and cited[1] == project["version"]
+
+
+def test_the_site_begins_with_the_same_five_commands_as_the_readme():
+    """The site's had built an FMU that doesn't follow its own motion, as the README's does."""
+
+    def five(page):
+        return text_of(page).partition("## The loop in five commands\n\n```\n")[2].partition("```")[0].splitlines()
+
+    assert len(five(README)) == 5
+    assert five(ROOT / "docs" / "index.md") == five(README)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -117,7 +118,7 @@ def test_results_beside_records_are_left_out_by_name(tmp_path):
     with pytest.raises(UserError, match=r"sweep.txt: holds results, a row a test \('f \[Hz\]' from 0.5 to 64\)"):
         pc.import_files(files, tmp_path / "c")
     assert len(pc.import_files(files, tmp_path / "c", skip_unusable=True).to_dict()["runs"]) == 1
-    with pytest.raises(UserError, match="exists already, and results join no campaign"):
+    with pytest.raises(UserError, match="holds records of tests, which results don't join"):
         pc.import_files(analyser(tmp_path / "again.txt", scale=2.0), tmp_path / "c")
 
 
@@ -192,3 +193,144 @@ def test_two_columns_that_may_be_one_quantity_are_asked(tmp_path):
 def test_rows_of_units_of_results_are_told_from_names(text, names, units):
     layout = layout_of(text.splitlines())
     assert (layout.names, layout.units) == (names, units)
+
+
+def sweep(path: Path, rows, head="Frequency;Amplitude;K';K\"", units="Hz;mm;N/mm;N/mm") -> Path:
+    path.write_text("\n".join([head, *([units] if units else []), *(";".join(map(str, row)) for row in rows)]) + "\n")
+    return path
+
+
+def plain(scale=1.0):
+    return [(f, 0.5, scale * 900 * f**0.1, scale * 150 * f**0.2) for f in (1, 2, 5, 10, 20, 50)]
+
+
+def test_later_files_of_results_join_and_known_ones_change_nothing(tmp_path):
+    folder = tmp_path / "c"
+    pc.import_files(sweep(tmp_path / "one.csv", plain()), folder, name="mount", notes="rubber")
+    table = (folder / "runs.csv").read_text()
+    # what the user changes stays
+    changed = table.replace("run,amplitude_mm", "run,temperature_C,amplitude_mm").replace(",0.5,", ",23,0.5,")
+    (folder / "runs.csv").write_text(changed)
+    description = (folder / "campaign.toml").read_text()
+    (folder / "campaign.toml").write_text(f"# mine\n{description}")
+    again = pc.import_files(tmp_path / "one.csv", folder)
+    assert not again.written and "nothing to do, 1 file named and there already" in again.view().lines[0]
+    assert (folder / "runs.csv").read_text() == changed
+    files = [tmp_path / "one.csv", sweep(tmp_path / "two.csv", plain(1.1))]
+    found = pc.import_files(files, folder)
+    answer = found.to_dict()
+    assert found.written and (answer["new_files"], answer["known_files"]) == (["two.csv"], ["one.csv"])
+    assert [run["run"] for run in answer["runs"] if run["new"]] == [f"two_{place}" for place in range(1, 7)]
+    assert {run["file"] for run in answer["runs"]} == {"one.csv", "two.csv"}
+    campaign = read_tests(folder).campaign
+    assert (campaign.name, campaign.notes, len(campaign.runs)) == ("mount", "rubber", 12)
+    assert [run.temperature_C for run in campaign.runs[::6]] == [23.0, None]
+    assert (folder / "campaign.toml").read_text().startswith("# mine\n")
+    with pytest.raises(UserError, match="holds a file of this name with other content"):
+        pc.import_files(sweep(tmp_path / "two.csv", plain(1.2)), folder)
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes((tmp_path / "one.csv").read_bytes())
+    assert not pc.import_files(copy, folder).written
+
+
+def test_records_join_no_campaign_of_results(tmp_path):
+    pc.import_files(sweep(tmp_path / "one.csv", plain()), tmp_path / "c")
+    time = np.arange(400) / 100
+    rows = zip(time, np.sin(6 * time), np.sin(6 * time + 0.1), strict=True)
+    record = sweep(tmp_path / "record.csv", rows, "Time [s];Displacement [mm];Force [N]", "")
+    with pytest.raises(
+        UserError, match=r"record.csv: holds no results, a row a test.*another campaign \(-o\) for records"
+    ):
+        pc.import_files(record, tmp_path / "c")
+
+
+def test_files_without_results_may_be_left_out_beside_others(tmp_path):
+    """A folder of results with one damaged file had been refused, whatever was stated."""
+    (tmp_path / "empty.csv").write_text("")
+    files = [tmp_path / "empty.csv", sweep(tmp_path / "one.csv", plain()), sweep(tmp_path / "two.csv", plain(1.1))]
+    with pytest.raises(UserError, match=r"1 of 3 files can't be used; nothing was written\n  empty.csv: is empty"):
+        pc.import_files(files, tmp_path / "c")
+    assert not (tmp_path / "c").exists()
+    found = pc.import_files(files, tmp_path / "c", skip_unusable=True)
+    assert "empty.csv: left out, for it can't be used: is empty" in " ".join(found.notes)
+    assert [one["file"] for one in found.to_dict()["left_out_files"]] == ["empty.csv"]
+    # known as such, it is in nobody's way when others come
+    found = pc.import_files([files[0], sweep(tmp_path / "three.csv", plain(1.2))], tmp_path / "c")
+    assert len(read_tests(tmp_path / "c").campaign.runs) == 18
+    assert [one["file"] for one in found.to_dict()["left_out_files"]] == ["empty.csv"]
+
+
+def test_nothing_is_written_where_the_columns_arent_confirmed(tmp_path):
+    from pipeclamp_identification.importing.results.whole import import_any
+    from pipeclamp_identification.importing.stated import Options
+
+    shown = []
+
+    def refused(found):
+        shown.extend(name for file in found.files for name in file.columns)
+        return False
+
+    file = sweep(tmp_path / "one.csv", plain())
+    with pytest.raises(UserError, match="nothing was written: the import wasn't confirmed"):
+        import_any([file], tmp_path / "c", Options(), page=lambda found: "", confirm=refused)
+    assert shown == ["amplitude", "frequency", "storage_stiffness", "loss_stiffness"]
+    assert [path.name for path in tmp_path.iterdir()] == ["one.csv"]
+
+
+def test_a_page_shows_stiffness_and_loss_angle_over_what_was_varied(tmp_path):
+    rows = [
+        (f, A, 900 * f**0.1 / A, 150 * f**0.2 / A, T) for T in (20, 60) for A in (0.1, 0.5) for f in (1, 10, 100)
+    ]  # fmt: skip
+    file = sweep(tmp_path / "a.csv", [*rows, (5, 0.5, 900, -1, 20)], "f;A;K';K\";T", "Hz;mm;N/mm;N/mm;°C")
+    found = pc.import_files(file, tmp_path / "c")
+    page = (tmp_path / "c" / "import.html").read_text(encoding="utf-8")
+    titles = [section.title for section in found.page().sections]
+    assert titles == [
+        "What was imported", "Against f / Hz", "Against A / mm", "Against T / °C", "All tests", "What was cut",
+    ]  # fmt: skip
+    assert "A 0.1 mm, T 20 °C" in page and "make energy" in page
+    figure = found.page().sections[1].figures[0]
+    assert [figure.layout[f"yaxis{n}"].title.text for n in ("", 2, 3)] == ["k' / N/mm", "k'' / N/mm", "δ / °"]
+    assert figure.layout.xaxis.type == "log"
+    first = figure.data[0]
+    assert list(first.x) == [1, 10, 100]
+    assert list(first.y) == pytest.approx([900 * f**0.1 / 0.1 for f in (1, 10, 100)], rel=1e-4)
+    delta = next(trace for trace in figure.data if trace.yaxis == "y3")
+    assert list(delta.y) == pytest.approx([math.degrees(math.atan(f**0.1 / 6)) for f in (1, 10, 100)], rel=1e-4)
+
+
+def test_results_whose_names_alone_tell_are_asked_their_units(tmp_path):
+    """Their frequency had been proposed for the time, and their stiffness for the force, of a record."""
+    file = sweep(tmp_path / "a.csv", plain(), "Frequency;Amplitude;Storage stiffness;Loss stiffness", "")
+    with pytest.raises(UserError, match="holds results, a row a test, of which no units are stated") as told:
+        pc.import_files(file, tmp_path / "c")
+    option = str(told.value).partition('--columns "')[2].rstrip('"')
+    assert option.startswith("frequency=Frequency [Hz],amplitude=Amplitude [mm],storage_stiffness=")
+    pc.import_files(file, tmp_path / "c", columns=option)
+    assert len(read_tests(tmp_path / "c").campaign.runs) == 6
+
+
+@pytest.mark.parametrize(
+    ("row", "why"),
+    [
+        ((1, 0.5, 1e300, 1e299), "below 1e-50 or above 1e\\+50"), ((1, 1e-300, 900, 150), "below 1e-50"),
+        (("nan", 0.5, 900, 150), "a number is blank"), ((1, 0.5, "OVLD", 150), "a number is blank"),
+        ((1, 0.5, 900, ""), "a number is blank"), ((0, 0.5, 900, 150), "frequency_Hz isn't above 0"),
+        ((2, 0.5, 900 * 2**0.1, 150 * 2**0.2), "it has the same numbers as run 'a_2'"),
+    ],
+)  # fmt: skip
+def test_rows_that_no_test_gives_are_left_out_with_their_reason(tmp_path, row, why):
+    found = pc.import_files(sweep(tmp_path / "a.csv", [*plain(), row]), tmp_path / "c")
+    assert len(read_tests(tmp_path / "c").campaign.runs) == 6
+    assert re.search(why, " ".join([*found.notes, *map(str, found.found.left_out)]))
+    found.report(tmp_path / "a.html")
+
+
+def test_specimens_and_temperatures_beside_the_columns_are_taken(tmp_path):
+    rows = [(*row, "A7" if place % 2 else "B9") for place, row in enumerate(plain())]
+    text = sweep(tmp_path / "a.csv", rows, "Frequency;Amplitude;K';K\";Specimen", "Hz;mm;N/mm;N/mm;").read_text()
+    (tmp_path / "a.csv").write_text(f"Test temperature: 23 °C\n\n{text}", encoding="utf-8")
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    runs = read_tests(tmp_path / "c").campaign.runs
+    assert [run.specimen for run in runs] == ["B9", "A7"] * 3
+    assert {run.temperature_C for run in runs} == {23.0} and "counts as blank" not in " ".join(found.notes)

@@ -177,3 +177,11 @@ def test_a_long_history_is_drawn_from_its_beginning_to_its_end_with_its_peaks():
     # a sample out of thirteen would show another frequency, and every second stretch would miss its peaks
     ten_ms = (shown > 20.0) & (shown < 20.1)
     assert np.ptp(drawn[ten_ms]) > 1.9
+
+
+def test_the_page_of_a_law_says_what_its_equations_hold_beside_parameters():
+    from pipeclamp.pages.law import law_sections
+
+    (*_, words) = law_sections(open_law("emwm2"))[0].paragraphs
+    assert words.startswith("Here ") and "T_0 = 293.15 K (reference temperature)" in words
+    assert "mm/s (velocity below which sgn v is smooth)" in words and "rho_0" not in words

@@ -482,3 +482,23 @@ def test_files_that_were_dropped_long_ago_are_cleared(tmp_path):
         os.utime(folder, (time.time() - 2 * 86400,) * 2)
     Desk(tmp_path)
     assert [folder.exists() for folder in (old, new, foreign)] == [False, True, True]
+
+
+def test_metrics_without_records_are_shown_and_have_no_loops(tmp_path):
+    with running(tmp_path / "home", "emwm2_tables") as studio:
+        status, _, content = studio.ask("/", headers={"accept": "text/html"})
+        text = content.decode()
+        assert status == 200 and "11 runs" in text and "A0p8_f3_T300" in text
+        assert all(f"Against {axis}" in text for axis in ("f / Hz", "A / mm", "T / °C"))
+        assert "pipeclamp identify emwm2_tables -o law.json" in text
+        for path in ("/c/emwm2_tables/", "/campaigns"):
+            assert studio.ask(path, headers={"accept": "text/html"})[0] == 200
+        for path in (
+            "/c/emwm2_tables/laws/law1",
+            "/c/emwm2_tables/runs/A0p8_f3_T300",
+            "/c/emwm2_tables/files/law1.json",
+        ):
+            status, _, content = studio.ask(path)
+            assert status == 400 and "holds metrics without records" in json.loads(content)["error"]
+        told = studio.json("/c/emwm2_tables/jobs", {"kind": "identify", "base": "power"})
+        assert "the commands on its page do" in told["error"]

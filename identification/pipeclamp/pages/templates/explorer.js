@@ -59,6 +59,13 @@ function bandTraces(run, axis, xs) {
   });
 }
 
+function withRoom(xs) {
+  const known = xs.filter(Number.isFinite);
+  const [low, high] = [Math.min(...known), Math.max(...known)];
+  const room = 0.03 * (high - low || 1);
+  return [low - room, high + room];
+}
+
 /**
  * Give Plotly's picture of one run: its loop above, and below what is measured less what each law gives.
  * `shown` holds the indices of the laws; `names` all their labels; `axis` is y, v or phase.
@@ -91,6 +98,7 @@ function runPicture(run, names, shown, axis) {
     yaxis2: { ...look, title: { text: "measured less law / N" }, domain: [0, 0.38] },
   };
   if (axis === "phase") Object.assign(layout.xaxis, { range: [0, 360], dtick: 45 });
+  else layout.xaxis.range = withRoom(xs); // Plotly's own ends where lines do, and cuts the loop's turns
   return { data, layout };
 }
 

@@ -12,6 +12,7 @@ const TITLE_LINE = 20;
 const LEGEND_CHARACTER = 6.8; // px, of an entry at 12 px
 const LEGEND_SYMBOL = 50; // px, with the room about it
 const LEGEND_LINE = 19;
+const LEGEND_MARGIN = 40; // px, that a picture keeps beside its legend
 const FADE = 48; // px, in which a picture that goes on beyond its right edge fades
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 let onPaper = false;
@@ -72,9 +73,38 @@ function withLegendSeen(layout, data, seen) {
   if (layout.height) layout.height += further;
 }
 
+// A legend cuts names that are wider than the picture.
+function withNamesWrapped(layout, data, seen) {
+  if (layout.showlegend === false || !seen) return;
+  const most = Math.max(Math.floor((seen - LEGEND_SYMBOL - LEGEND_MARGIN) / LEGEND_CHARACTER), 12);
+  let further = 0;
+  for (const trace of data) {
+    if (!trace.name || trace.name.includes("<")) continue;
+    const lines = wrapped(trace.name, most);
+    trace.name = lines.join("<br>");
+    if (trace.showlegend !== false) further += lines.length - 1;
+  }
+  if (!further) return;
+  layout.margin = { ...layout.margin, b: (layout.margin?.b ?? 50) + LEGEND_LINE * further };
+  if (layout.height) layout.height += LEGEND_LINE * further;
+}
+
+// Words that are longer than a line, as names of files, break where they have a low line, a dot or a hyphen, else anywhere.
+function broken(word, most) {
+  const pieces = [];
+  let rest = word;
+  while (rest.length >= most) {
+    const ends = [..."_.-"].map((mark) => rest.lastIndexOf(mark, most - 2) + 1);
+    const end = Math.max(...ends) || most - 1;
+    pieces.push(rest.slice(0, end));
+    rest = rest.slice(end);
+  }
+  return [...pieces, rest];
+}
+
 function wrapped(line, most) {
   const lines = [""];
-  for (const word of line.split(" ")) {
+  for (const word of line.split(" ").flatMap((one) => broken(one, most))) {
     const last = lines[lines.length - 1];
     if (last && last.length + word.length >= most) lines.push(word);
     else lines[lines.length - 1] = last ? `${last} ${word}` : word;
@@ -89,6 +119,7 @@ function drawIn(element, specification) {
   const seen = onPaper ? width : element.closest("figure")?.clientWidth || width;
   const scrolls = width > seen + 4;
   withTitleWrapped(layout, scrolls ? seen - FADE : seen);
+  withNamesWrapped(layout, data, scrolls ? seen - FADE : seen);
   if (scrolls) withLegendSeen(layout, data, seen - FADE);
   if (onPaper) layout.width = PAPER_WIDTH;
   const config = {
@@ -144,7 +175,19 @@ for (const element of document.querySelectorAll(".picture")) {
 
 markMore();
 
+// A command breaks between its words, not at an option's hyphens; a word that is longer than the line still does.
+function setCommand(code, line) {
+  code.replaceChildren(...line.split(/( +)/).map((part) => {
+    if (!part.trim()) return part;
+    const word = document.createElement("span");
+    word.className = "word";
+    word.textContent = part;
+    return word;
+  }));
+}
+
 for (const command of document.querySelectorAll(".command")) {
+  setCommand(command.querySelector("code"), command.querySelector("code").textContent);
   const button = command.querySelector("button");
   button.addEventListener("click", async () => {
     const code = command.querySelector("code");

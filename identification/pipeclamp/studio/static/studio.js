@@ -1,4 +1,4 @@
-/* global drawIn, inLook, lawLine, onLookChanged */
+/* global drawIn, inLook, lawLine, onLookChanged, setCommand */
 // A campaign's page: the map, the run that is looked at, candidates, sliders, jobs.
 import { ask, complain, follow, start, tell, textOf } from "./ask.js";
 import { drawRun } from "./draw.js";
@@ -210,7 +210,7 @@ document.addEventListener("change", (event) => {
     if (shown) look(shown.run);
   }
   if (name === "base") {
-    form.querySelector("code").textContent = event.target.dataset.line;
+    setCommand(form.querySelector("code"), event.target.dataset.line);
   }
   if (name === "with" || name === "by") {
     const address = new URL(location.href);

@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
+from pipeclamp_identification.importing.columns import Stated, channel_named
 from pipeclamp_identification.importing.naming import rank, unit_of
 from pipeclamp_identification.importing.raw import Channel, RawTable
-from pipeclamp_identification.importing.results.quantities import LOSSES, STIFFNESSES, quantity_of, turned
+from pipeclamp_identification.importing.results.quantities import LOSSES, STIFFNESSES, TARGETS, quantity_of, turned
 from pipeclamp_identification.units.stated import conversion
+from pipeclamp_models.base.errors import UserError
 
 CYCLES_A_ROW = 2.0
 """Cycles that pass from row to row, beyond which rows are no samples of them: records have many rows a cycle, and a
 column of the samples per second has one."""
 
 
-def frequency_of_results(table: RawTable, stated: Collection[str] = ()) -> Channel | None:
+def frequency_of_results(table: RawTable, stated: Sequence[Stated] = ()) -> Channel | None:
     """Give the frequency of a table whose rows are tests of their own, None of any other table.
 
-    They are told by the cycles that pass between two rows or, without a time, by columns of stiffness and loss.
+    They are told by what the user states, by the cycles that pass between two rows or, without a time, by columns of
+    stiffness and loss, of which also names alone tell.
 
     Args:
         table: as a file holds it.
-        stated: quantities of a record that the user says are there.
+        stated: what the user says of its channels.
     """
+    said = {one.ours: one for one in stated}
+    if "frequency" in said and said.keys() & {*STIFFNESSES, *LOSSES}:
+        with suppress(UserError):
+            return channel_named(table, said["frequency"])[0]
     found = {quantity: channel for channel in table.channels if (quantity := quantity_of(channel))}
     frequency = found.get("frequency")
     if frequency is None:
-        return None
+        return None if said.keys() & {"time", "displacement", "force"} else without_units(table).get("frequency")
     times = [channel for channel in table.channels if rank("time", channel) > 2]
     if times:
         return frequency if min(_cycles_a_row(frequency, time) for time in times) > CYCLES_A_ROW else None
-    if {"displacement", "force"} <= set(stated):
+    if {"displacement", "force"} <= said.keys():
         return None
     return frequency if any(quantity in found for quantity in (*STIFFNESSES, *LOSSES)) else None
 
@@ -47,7 +56,22 @@ def _cycles_a_row(frequency: Channel, time: Channel) -> float:
     return float(np.median(cycles)) if len(cycles) else 0.0
 
 
-def results_words(table: RawTable, stated: Collection[str] = ()) -> str:
+def without_units(table: RawTable) -> dict[str, Channel]:
+    """Give the channels of a table that names alone tell to hold results, by quantity; none where there is a time."""
+    if any(rank("time", channel) > 2 for channel in table.channels):
+        return {}
+    found: dict[str, Channel] = {}
+    for channel in table.channels:
+        named = [one for one, unit in TARGETS.items() if quantity_of(replace(channel, unit=unit or "-")) == one]
+        if not unit_of(channel) and named:
+            found.setdefault(named[0], channel)
+    whole = "frequency" in found and ({"storage_stiffness", "loss_stiffness"} <= found.keys() or (
+        found.keys() & set(LOSSES) and found.keys() & set(STIFFNESSES)
+    ))  # fmt: skip
+    return found if whole else {}
+
+
+def results_words(table: RawTable, stated: Sequence[Stated] = ()) -> str:
     """Say of a table of results what it is."""
     frequency = frequency_of_results(table, stated)
     assert frequency is not None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -22,10 +21,12 @@ from pipeclamp_identification.importing.results.quantities import (
     quantity_of,
     turned,
 )
+from pipeclamp_identification.importing.results.recognised import without_units
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.units import CELSIUS
 
 COLUMNS = {"amplitude": "amplitude_mm", "frequency": "frequency_Hz", "temperature": "temperature_C"}
 """Columns of runs.csv that channels fill as they are."""
@@ -37,11 +38,12 @@ FOR_A_MODULUS = "12.5 N/mm"
 
 @dataclass(frozen=True)
 class ResultColumn:
-    """A channel of results: which quantity it is, and what turns it into ours."""
+    """A channel of results: which quantity it is, what turns it into ours, and the unit that counted."""
 
     quantity: str
     channel: Channel
     conversion: Conversion
+    unit: str = ""
     stated: bool = False
 
     @property
@@ -58,12 +60,6 @@ class ResultRow:
     settings: Mapping[str, float]
     storage_N_mm: float
     loss_N_mm: float
-
-    @property
-    def force(self) -> float | None:
-        """Amplitude of the force in N; None where that of the displacement is stated elsewhere."""
-        amplitude = self.settings.get("amplitude_mm")
-        return None if amplitude is None else math.hypot(self.storage_N_mm, self.loss_N_mm) * amplitude
 
 
 @dataclass(frozen=True)
@@ -89,6 +85,13 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
         UserError: what is needed isn't there, or several columns may be it.
     """
     columns = _columns(table, stated)
+    bare = {one: channel for one, channel in without_units(table).items() if one not in columns}
+    if bare:
+        choices = [f"{one}={channel.heading} [{TARGETS[one]}]" for one, channel in bare.items() if TARGETS[one]]
+        raise UserError(
+            "holds results, a row a test, of which no units are stated; expected them, for example (check it):\n  "
+            f"{columns_option([*map(_option, stated), *choices])}"
+        )
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
             raise UserError(
@@ -122,6 +125,11 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
 
 
+def _option(stated: Stated) -> str:
+    """Give what was stated of a channel, as it is stated."""
+    return f"{stated.ours}={'-' if stated.reversed else ''}{stated.channel}"
+
+
 def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColumn]:
     """Give the columns of each quantity: as stated, else by names and units."""
     found: dict[str, ResultColumn] = {}
@@ -150,7 +158,7 @@ def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColum
         if fitting:
             conversion = turned(quantity, unit_of(fitting[0]), fitting[0].name)
             assert conversion is not None
-            found[quantity] = ResultColumn(quantity, fitting[0], conversion)
+            found[quantity] = ResultColumn(quantity, fitting[0], conversion, unit_of(fitting[0]))
     return found
 
 
@@ -164,7 +172,7 @@ def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
             f"expected {', '.join(TARGETS)}"
         )
     if stated.ours not in TARGETS:
-        return ResultColumn(stated.ours, channel, Conversion(-1.0 if stated.reversed else 1.0), stated=True)
+        return ResultColumn(stated.ours, channel, Conversion(-1.0 if stated.reversed else 1.0), counts, stated=True)
     conversion = turned(stated.ours, counts, channel.name)
     if conversion is None:
         target = FOR_A_MODULUS if is_modulus(channel) else TARGETS[stated.ours]
@@ -172,7 +180,7 @@ def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
             f"--columns, {stated.ours}={stated.channel}: {counts or 'no unit'} is none of a {stated.ours}; expected "
             f"one that turns into {TARGETS[stated.ours]}, for example '{stated.ours}={channel.heading} [{target}]'"
         )
-    return ResultColumn(stated.ours, channel, conversion, stated=True)
+    return ResultColumn(stated.ours, channel, conversion, counts, stated=True)
 
 
 def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[ComplexArray, list[ResultColumn]]:
@@ -228,6 +236,8 @@ def _unusable(settings: Mapping[str, float], k: complex) -> str:
     for name in ("amplitude_mm", "frequency_Hz"):
         if name in settings and settings[name] <= 0:
             return f"its {name} isn't above 0"
+    if settings.get("temperature_C", 0.0) <= -CELSIUS:
+        return f"its temperature isn't above {-CELSIUS:g} °C"
     if k.real <= 0:
         return "its storage stiffness isn't above 0"
     return "" if k.imag > 0 else "its loss stiffness isn't above 0, so that it would make energy"

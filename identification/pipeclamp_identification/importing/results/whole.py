@@ -1,89 +1,46 @@
-"""Files of results become a campaign of metrics: its runs.csv and campaign.toml, whole or not at all."""
+"""Files of results become a campaign of metrics, or join one: whole or not at all."""
 
 from __future__ import annotations
 
-import csv
-import io
+import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from pipeclamp_identification.campaign.description import FILE_NAME as DESCRIPTION
-from pipeclamp_identification.campaign.description import description_text
-from pipeclamp_identification.campaign.runs_table import FILE_NAME
+from pipeclamp_identification.campaign.description import (
+    CampaignDescription,
+    Imported,
+    LeftOutFile,
+    description_text,
+    read_description,
+)
+from pipeclamp_identification.campaign.runs_table import FILE_NAME, read_runs_table
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.answer import Found, ImportAnswer, ImportedRunAnswer
+from pipeclamp_identification.importing.answer import Found
 from pipeclamp_identification.importing.columns import listed
-from pipeclamp_identification.importing.conditions import Settings, guessed_pattern, name_in, settings_of
-from pipeclamp_identification.importing.mapping import where_of
-from pipeclamp_identification.importing.reading import SourceFile, files_in, read_file, stem_of
-from pipeclamp_identification.importing.results.recognised import frequency_of_results
-from pipeclamp_identification.importing.results.rows import LOSS, STORAGE, ResultRow, left_out_words, result_rows
+from pipeclamp_identification.importing.conditions import guessed_pattern
+from pipeclamp_identification.importing.importer import left_out_files
+from pipeclamp_identification.importing.reading import Contents, digest_of, files_in, read_file
+from pipeclamp_identification.importing.results.taking import TakenResults, taken_results
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
-from pipeclamp_identification.importing.unusable import ResultsFileError, UnusableFileError
-from pipeclamp_identification.importing.whole import import_whole
-from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.files import refuse_folder, write_folder
-from pipeclamp_models.base.said import counted
+from pipeclamp_identification.importing.unusable import ResultsFileError, UnusableFileError, listed_why
+from pipeclamp_identification.importing.whole import RESTORED, import_whole, passed_over_words
+from pipeclamp_identification.importing.writing import (
+    PAGE,
+    Existing,
+    existing_campaign,
+    is_left_out_anew,
+    still_left_out,
+    table_text,
+    write_description,
+)
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import replace_folder, restored, set_aside, staged_folder
 
-METRICS = "stiffness and loss of a test, without a record"
-FIRST = ("run", "amplitude_mm", "frequency_Hz", "temperature_C")
-DIGITS = 6
-WEAK = 0.01
-"""Share of the largest force amplitude below which that of a test is told."""
-
-
-Row = dict[str, float | str]
-"""Cells of runs.csv by column."""
-
-
-@dataclass(frozen=True)
-class FoundResults:
-    """What files of results became.
-
-    Attributes:
-        folder, name: of the campaign.
-        columns: by file, the channel of each quantity and its factor.
-        rows: of runs.csv, and the file of each.
-        pattern: that the names of files seem to follow, where they state what nothing else does.
-        remarks: what to know of it.
-        written: whether anything was.
-    """
-
-    folder: Path
-    name: str
-    columns: dict[str, dict[str, str]]
-    rows: tuple[Row, ...]
-    sources: tuple[str, ...]
-    pattern: str
-    remarks: tuple[str, ...]
-    written: bool
-
-    def notes(self) -> tuple[str, ...]:
-        """Give what to know of the campaign."""
-        return self.remarks
-
-    def answer(self) -> ImportAnswer:
-        """Give it as data."""
-        runs = [
-            ImportedRunAnswer(
-                run=str(row["run"]),
-                file=source,
-                amplitude_mm=_number(row, "amplitude_mm"),
-                frequency_Hz=_number(row, "frequency_Hz"),
-                temperature_C=_number(row, "temperature_C"),
-                cycles=None,
-                new=True,
-                done=(METRICS,),
-            )
-            for row, source in zip(self.rows, self.sources, strict=True)
-        ]
-        return ImportAnswer(
-            campaign=str(self.folder), written=self.written, new_files=tuple(self.columns), known_files=(),
-            columns=self.columns, runs=tuple(runs), cut=(), left_out=(), left_out_files=(), pattern=self.pattern,
-            notes=self.remarks,
-        )  # fmt: skip
+if TYPE_CHECKING:
+    from pipeclamp_identification.importing.results.found import FoundResults
 
 
 def import_any(
@@ -91,8 +48,8 @@ def import_any(
     folder: Path,
     options: Options,
     *,
-    page: Callable[[Found], str],
-    confirm: Callable[[Found], bool] | None = None,
+    page: Callable[[Found | FoundResults], str],
+    confirm: Callable[[Found | FoundResults], bool] | None = None,
     dry_run: bool = False,
     name: str = "",
     notes: str = "",
@@ -105,13 +62,28 @@ def import_any(
     Raises:
         UserError: a file, or what the campaign would be, can't serve.
     """
+
+    def of_results() -> FoundResults:
+        return import_results(
+            paths, folder, options, page=page, confirm=confirm, dry_run=dry_run, name=name, notes=notes,
+            software=software, progress=progress,
+        )  # fmt: skip
+
+    if _holds_results(folder if folder.exists() else set_aside(folder)):
+        return of_results()
     try:
         return import_whole(
             paths, folder, options, page=page, confirm=confirm, dry_run=dry_run, name=name, notes=notes,
             software=software, format=format, progress=progress,
         )  # fmt: skip
     except ResultsFileError:
-        return import_results(paths, folder, options, dry_run=dry_run, name=name, notes=notes, progress=progress)
+        return of_results()
+
+
+def _holds_results(folder: Path) -> bool:
+    """Tell whether a campaign that was imported lies there, of tests without records."""
+    existing = existing_campaign(folder) if folder.is_dir() else None
+    return existing is not None and not existing.rows[0].get("file")
 
 
 def import_results(
@@ -119,152 +91,151 @@ def import_results(
     folder: Path,
     options: Options,
     *,
+    page: Callable[[FoundResults], str],
+    confirm: Callable[[FoundResults], bool] | None = None,
     dry_run: bool = False,
     name: str = "",
     notes: str = "",
+    software: str = "",
     progress: Callable[[str], None] | None = None,
 ) -> FoundResults:
-    """Make a campaign of metrics of files of results.
-
-    Args:
-        paths: of files, or of folders with them; each holds results.
-        folder: of the campaign, a new one.
-        options: what the user states.
-        dry_run: write nothing.
-        name, notes: of the campaign; its folder's name by default.
-        progress: is told what is being done.
+    """Make a campaign of metrics of files of results, or add files to one; arguments as for `import_whole`.
 
     Raises:
-        UserError: a file can't serve, no row does, or the folder is there already.
+        UserError: a file can't serve, no row does, or the campaign holds records.
     """
-    if folder.exists():
+    tell = progress or (lambda what: None)
+    files = files_in(paths)
+    back = restored(folder)
+    existing = existing_campaign(folder)
+    if existing and existing.rows[0].get("file"):
         raise UserError(
-            f"{folder}: exists already, and results join no campaign; expected a new folder, and all files of them at "
-            "once"
+            f"{folder}: holds records of tests, which results don't join; expected another campaign for them (-o)"
         )
-    refuse_folder(folder)
-    taken: list[_TakenResults] = []
-    for path in files_in(paths):
-        if progress:
-            progress(file_name(path))
-        taken.append(_taken(read_file(path), options))
-    rows = [row for one in taken for row in one.rows]
-    alike: dict[str, list[str]] = {}
-    for one in taken:
-        for words in one.told:
-            alike.setdefault(words, []).append(one.file)
-    told = [f"{listed(names, most=1)}: {words}" for words, names in alike.items()]
-    if not rows:
-        raise UserError("\n  ".join(["no row of results can be used", *told]))
-    unknown = any("temperature_C" not in row for row in rows)
-    found = FoundResults(
-        folder=folder,
-        name=name or file_name(folder.resolve()),
-        columns={one.file: one.columns for one in taken},
-        rows=tuple(rows),
-        sources=tuple(one.file for one in taken for _ in one.rows),
-        pattern=guessed_pattern([one.stem for one in taken]) if unknown and not options.pattern else "",
-        remarks=(*told, *_weak_words([force for one in taken for force in one.forces])),
-        written=not dry_run,
-    )
-    if not dry_run:
-        table = (FILE_NAME, _table(rows).encode())
-        write_folder(folder, [table, (DESCRIPTION, description_text(found.name, notes).encode())])
+    before = existing.imported if existing else Imported()
+    taken = _taken(files, options, existing, tell)
+    told = [*([RESTORED] if back else []), *taken.told, *passed_over_words(paths)]
+    made = _Made(folder, taken, before, tuple(told), options)
+    if existing and not taken.files and not is_left_out_anew(taken.left_out, existing):
+        return made.found(folder, written=False)
+    with staged_folder(Path(tempfile.gettempdir()) / folder.name if dry_run else folder) as work:
+        tell("the campaign as a whole")
+        made = replace(made, imported=_imported(before, taken, software))
+        head = existing.head if existing else description_text(name or file_name(folder.resolve()), notes)
+        rows = table_text(existing.rows if existing else (), [row for one in taken.files for row, _ in one.rows])
+        (work / FILE_NAME).write_text(rows, encoding="utf-8", newline="\n")
+        write_description(work, head, made.imported)
+        found = made.found(work, written=not dry_run)
+        if dry_run:
+            return found
+        tell("its page")
+        (work / PAGE).write_text(page(found), encoding="utf-8", newline="\n")
+        if confirm and not confirm(found):
+            raise UserError("nothing was written: the import wasn't confirmed")
+        replace_folder(work, folder)
     return found
 
 
 @dataclass(frozen=True)
-class _TakenResults:
-    """A file of results: its name and stem, its columns, rows of runs.csv, amplitudes of force, and what is told."""
+class _Taken:
+    """Files that are new, names of those that the campaign holds, those that can't be used, and what is told."""
 
-    file: str
-    stem: str
-    columns: dict[str, str]
-    rows: tuple[Row, ...]
-    forces: tuple[float, ...]
+    files: tuple[TakenResults, ...]
+    known: tuple[str, ...]
+    left_out: tuple[LeftOutFile, ...]
     told: tuple[str, ...]
 
 
-def _taken(source: SourceFile, options: Options) -> _TakenResults:
-    """Take a file's results.
+def _taken(files: Sequence[Path], options: Options, existing: Existing | None, tell: Callable[[str], None]) -> _Taken:
+    """Take files of results.
 
     Raises:
-        UnusableFileError: it can't serve.
+        UserError: files can't be used and mustn't be left out, or no row of any can.
     """
-    tables = [table for table in source.tables if frequency_of_results(table)]
-    if not tables:
-        raise UnusableFileError(str(source.path), "holds no results, as the other files do")
-    stem = stem_of(source.path)
-    settings = _settings(source, stem, options)
-    columns: dict[str, str] = {}
-    rows: list[Row] = []
-    forces: list[float] = []
-    told: list[str] = []
-    for table in tables:
+    contents = Contents(existing.known if existing else {})
+    names = {row["run"] for row in existing.rows} if existing else set()
+    taken: list[TakenResults] = []
+    unusable: dict[Path, UnusableFileError] = {}
+    for number, path in enumerate(files, 1):
+        tell(f"{number} of {len(files)}: {file_name(path)}")
         try:
-            found = result_rows(table, options.columns, tuple(settings))
-        except UsageError:
-            raise
-        except UserError as error:
-            raise UnusableFileError(where_of(source, table), str(error)) from error
-        columns |= {one.quantity: f"{one.channel.heading} {one.conversion.words()}" for one in found.columns}
-        told += [*found.notes, *left_out_words(found.left_out, table.length)]
-        if found.unused:
-            told.append(f"not used: {listed([*map(repr, found.unused)])}")
-        own = f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem
-        digits = len(str(table.length))
-        rows += [_cells(f"{own}_{place:0{digits}d}", row, settings) for place, row in enumerate(found.rows, 1)]
-        forces += [row.force for row in found.rows if row.force is not None]
-    return _TakenResults(source.name, stem, columns, tuple(rows), tuple(forces), tuple(told))
+            digest = digest_of(path)
+            if contents.is_new(path, digest):
+                taken.append(taken_results(read_file(path), digest, options, names))
+                names |= {source.run for _, source in taken[-1].rows}
+        except UnusableFileError as error:
+            unusable[path] = error
+    before = existing.imported.left_out if existing else ()
+    left_out = left_out_files(unusable, len(files), before, options.leave_out)
+    alike: dict[str, list[str]] = {}
+    for one in taken:
+        for words in one.told:
+            alike.setdefault(words, []).append(one.file.file)
+    told = [f"{listed(files_told, most=1)}: {words}" for words, files_told in alike.items()]
+    if taken and not any(one.rows for one in taken):
+        raise UserError("\n  ".join(["no row of results can be used", *told]))
+    told = [*listed_why([(one.file, one.why) for one in left_out]), *contents.notes, *told]
+    return _Taken(tuple(taken), tuple(contents.again), left_out, tuple(told))
 
 
-def _settings(source: SourceFile, stem: str, options: Options) -> Settings:
-    """Give what the file's name and the table of conditions state of its tests.
-
-    Raises:
-        UserError: its name doesn't follow the pattern.
-    """
-    stated = settings_of(source.path, (stem,), options.pattern) | options.conditions.get(
-        name_in(options.conditions, (stem, source.name)), {}
+def _imported(before: Imported, taken: _Taken, software: str) -> Imported:
+    """Give what campaign.toml says of an import, and of those before it."""
+    files = tuple(one.file for one in taken.files)
+    return Imported(
+        software=software,
+        files=(*before.files, *files),
+        runs=(*before.runs, *(source for one in taken.files for _, source in one.rows)),
+        cut=(*before.cut, *(cut for one in taken.files for cut in one.cut)),
+        left_out=still_left_out(before, files, taken.left_out),
     )
-    return {column: value for column, value in stated.items() if column not in ("run", "file")}
 
 
-def _weak_words(forces: Sequence[float]) -> list[str]:
-    """Say which tests had forces so small beside others that a load cell may hardly tell them."""
-    largest = max(forces, default=0.0)
-    weak = sum(force < WEAK * largest for force in forces)
-    if not weak:
-        return []
-    return [
-        f"the force's amplitude of {weak} of {counted(len(forces), 'test')} is below {WEAK:.0%} of the largest, "
-        f"{largest:.3g} N: each test counts alike, however little its load cell tells; where these scatter, take their "
-        "rows out of runs.csv"
-    ]
+@dataclass(frozen=True)
+class _Made:
+    """What is known of an import before the campaign is read.
 
+    Attributes:
+        folder: where it will lie.
+        taken: its files.
+        imported: campaign.toml's table of that name.
+        told: what to know of it.
+        options: what the user states.
+    """
 
-def _cells(run: str, row: ResultRow, settings: Settings) -> Row:
-    measured = {name: _digits(value) for name, value in row.settings.items()}
-    return {
-        "run": run, **measured, **settings, STORAGE: _digits(row.storage_N_mm), LOSS: _digits(row.loss_N_mm)
-    }  # fmt: skip
+    folder: Path
+    taken: _Taken
+    imported: Imported
+    told: tuple[str, ...]
+    options: Options
 
+    def found(self, work: Path, *, written: bool) -> FoundResults:
+        """Read the campaign in a folder as any reader does.
 
-def _table(rows: Sequence[Row]) -> str:
-    """Give runs.csv."""
-    names = dict.fromkeys(name for row in rows for name in row)
-    header = [*(name for name in FIRST if name in names), *(name for name in names if name not in FIRST)]
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, header, restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return stream.getvalue()
+        Raises:
+            UserError: it can't be used.
+        """
+        from pipeclamp_identification.importing.results.found import FoundResults
+        from pipeclamp_identification.metrics_only.campaign import metric_campaign_of
 
-
-def _number(row: Row, column: str) -> float | None:
-    value = row.get(column)
-    return value if isinstance(value, float) else None
-
-
-def _digits(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
+        try:
+            description: CampaignDescription = read_description(work)
+            table = read_runs_table(work, description)
+            campaign = metric_campaign_of(work, description, table, strict=False)
+        except UserError as error:
+            raise UserError(str(error).replace(str(work), str(self.folder))) from error
+        files = self.taken.files
+        new = frozenset(source.run for one in files for _, source in one.rows)
+        unknown = any(row.temperature_C is None for row in table.rows if row.run in new)
+        asked = unknown and not self.options.pattern and not self.options.conditions
+        return FoundResults(
+            folder=self.folder,
+            files=tuple(one.file for one in files),
+            known=self.taken.known,
+            new=new,
+            rows=table.rows,
+            campaign=campaign,
+            imported=self.imported,
+            pattern=guessed_pattern([one.stem for one in files]) if asked else "",
+            told=self.told,
+            written=written,
+        )

@@ -1,0 +1,92 @@
+"""Metrics over what was varied: a curve for each setting of what else varies, as a test engineer draws them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.loops.one_condition import levels_of, same_setting
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_models.base.arrays import Array
+
+SCATTERED = 3.0
+"""Times what settings lie apart at most, by which values may lie off their mean: beyond, they go from one setting to
+another without a gap."""
+OF_A_RUN = ("frequency_Hz", "amplitude_mm", "temperature_C", "density_g_cm3", "first_cycle")
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Tests of one setting: its specimen ("" where there is one), its levels, and its rows of the campaign by rising
+    abscissa."""
+
+    specimen: str
+    held: tuple[tuple[str, float], ...]
+    rows: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A quantity that was varied.
+
+    Attributes:
+        quantity: a column of runs.csv.
+        values: of all tests, shape (R,); nan where it isn't known.
+        curves: of tests between which nothing else varies, but what was never set to levels.
+        drifting: columns that vary without levels, as a temperature that rises all along: points of a curve differ in
+            them, too.
+    """
+
+    quantity: str
+    values: Array
+    curves: tuple[Curve, ...]
+    drifting: tuple[str, ...]
+
+
+def values_of(campaign: MetricCampaign) -> Mapping[str, Array]:
+    """Give what was set in each test, by column of runs.csv, shape (R,); nan where it isn't known."""
+    own = {name: [getattr(run, name) for run in campaign.runs] for name in OF_A_RUN}
+    further = {name: [run.conditions[name] for run in campaign.runs] for name in campaign.condition_columns}
+    return {name: np.array(values, dtype=np.float64) for name, values in {**own, **further}.items()}
+
+
+def sweeps_of(campaign: MetricCampaign) -> tuple[Sweep, ...]:
+    """Give each quantity that varies, in the order of `OF_A_RUN`, with the curves that can be drawn over it."""
+    settings = values_of(campaign)
+    levels = {name: levels_of(name, values) for name, values in settings.items()}
+    drifting = [name for name in settings if _drifts(name, settings[name], levels[name])]
+    varied = [name for name in settings if name in drifting or len(_known(levels[name])) > 1]
+    specimens = [run.specimen or "" for run in campaign.runs]
+    found = []
+    for quantity in varied:
+        held = [name for name in varied if name != quantity and name not in drifting]
+        groups: dict[tuple[str, tuple[tuple[str, float], ...]], list[int]] = {}
+        for row in np.flatnonzero(np.isfinite(settings[quantity])).tolist():
+            key = tuple((name, float(levels[name][row])) for name in held if np.isfinite(levels[name][row]))
+            groups.setdefault((specimens[row], key), []).append(row)
+        curves = [
+            Curve(specimen if len(set(specimens)) > 1 else "", key, tuple(sorted(rows, key=_by(settings[quantity]))))
+            for (specimen, key), rows in groups.items()
+            if len({float(levels[quantity][row]) for row in rows}) > 1 or quantity in drifting
+        ]
+        if any(len(curve.rows) > 1 for curve in curves):
+            others = tuple(name for name in drifting if name != quantity)
+            curves.sort(key=lambda curve: (curve.specimen, [value for _, value in curve.held]))
+            found.append(Sweep(quantity, settings[quantity], tuple(curves), others))
+    return tuple(found)
+
+
+def _by(values: Array) -> Callable[[int], float]:
+    return lambda row: float(values[row])
+
+
+def _known(values: Array) -> set[float]:
+    return set(values[np.isfinite(values)].tolist())
+
+
+def _drifts(quantity: str, values: Array, levels: Array) -> bool:
+    """Tell whether values go all the way between levels, so that those that lie together are no setting."""
+    known = np.isfinite(values)
+    return bool(np.any(np.abs(values - levels)[known] > SCATTERED * same_setting(quantity, levels[known])))
