@@ -4,9 +4,11 @@ import doctest
 import html
 import inspect
 import json
+import re
 import shutil
 import subprocess
 import sys
+import warnings
 from importlib import import_module
 from pathlib import Path
 
@@ -146,6 +148,22 @@ def test_force_is_that_of_the_law_on_its_loops(name):
     assert np.median(np.abs(force - expected)) < 1e-9
     one = law.force(0.3, -2.0, A=0.5, f=3.0, T=120.0)
     assert np.ndim(one) == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"A": [0.5, 9.0], "f": 3.0, "T": 20.0}, "A = 9 mm lies beyond the law's tests, 0.2 to 1 mm"),
+        ({"A": 0.5, "f": 3.0, "T": -40.0}, "T = -40 degC lies beyond the law's tests, 20 to 300 degC"),
+    ],
+)
+def test_force_beyond_the_tests_is_told(given, words):
+    law = pc.open_law("emwm2")
+    with pytest.warns(UserWarning, match=re.escape(words)):
+        law.force([0.5, 0.5], [0.0, 0.0], **given)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        law.force(0.5, 0.0, A=1.003, f=5.0, T=301.0)  # drives miss their set points by as much
 
 
 def test_force_with_memory_follows_the_motion_from_rest(tests):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Sequence
 from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from pipeclamp.show.law import coefficient_table, doubts, fit_words, vain_words
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law import bundled
 from pipeclamp_models.law.file import LawFile, write_law
+from pipeclamp_models.law.range import beyond_tests
 
 if TYPE_CHECKING:
     from pipeclamp_models.base.tables import pl
@@ -82,7 +84,7 @@ class Law:
         """Give the clamp's force along a motion; effects of the rig stay out, as in the FMU.
 
         Where the law has memory, y is the motion from rest, sample by sample along its last axis; without memory the
-        order doesn't matter.
+        order doesn't matter. Conditions beyond the law's tests are told by a warning.
 
         Args:
             y: displacement in mm, shape (..., n) or a number.
@@ -110,8 +112,12 @@ class Law:
         from pipeclamp_models.realise.along import force_along
 
         given = {"A": A, "f": f, "T": T}
-        known: Mapping[str, Any] = {name: value for name, value in given.items() if value is not None}
-        return force_along(self.file, y, v, {**known, **conditions}, h)
+        known: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+        known |= conditions
+        force = force_along(self.file, y, v, known, h)
+        for words in beyond_tests(self.file, known):
+            warnings.warn(f"law.force: {words}; nothing shows its force there", stacklevel=2)
+        return force
 
     def save(self, path: PathOrName) -> Path:
         """Write the parameter file, whole or not at all, and give its path.

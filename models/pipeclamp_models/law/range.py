@@ -6,8 +6,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import signal_of
+from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, LawFile
 
 LAW_DIGITS = 10
@@ -58,6 +61,33 @@ def conditions_inside(known: Mapping[str, Interval], conditions: Mapping[str, fl
     }
 
 
+def beyond_tests(file: LawFile, given: Mapping[str, npt.ArrayLike]) -> tuple[str, ...]:
+    """Say which conditions lie outside the law's range, by more than 2 % of it.
+
+    Args:
+        file: the law.
+        given: conditions by name, A in mm, f in Hz, T in degC, further ones by their columns in runs.csv.
+    """
+    found = []
+    for name, values in given.items():
+        interval = file.range.get(name if name in ("A", "f", "T") else signal_of(name))
+        if interval is None or not np.size(values):
+            continue
+        zero, unit = (CELSIUS, " degC") if name == "T" else (0.0, f" {interval.unit}" if name in ("A", "f") else "")
+        low, high = interval.minimum - zero, interval.maximum - zero
+        least, most = float(np.min(values)), float(np.max(values))
+        margin = _margin(interval)
+        farthest = least if low - least > most - high else most
+        if max(low - least, most - high) > margin:
+            found.append(f"{name} = {farthest:.4g}{unit} lies beyond the law's tests, {low:.4g} to {high:.4g}{unit}")
+    return tuple(found)
+
+
+def _margin(interval: Interval) -> float:
+    """Give how far outside a range still counts as inside."""
+    return 0.02 * max(interval.maximum - interval.minimum, 0.02 * abs(interval.maximum))
+
+
 def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Array]) -> dict[str, str]:
     """Find the runs outside the law's range, by more than 2 % of it, and say what is outside.
 
@@ -68,7 +98,7 @@ def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Arra
     """
     found: dict[str, list[str]] = {}
     for name, interval in file.range.items():
-        margin = 0.02 * max(interval.maximum - interval.minimum, 0.02 * abs(interval.maximum))
+        margin = _margin(interval)
         for run, value in zip(runs, columns.get(name, ()), strict=False):
             if not interval.minimum - margin <= value <= interval.maximum + margin and math.isfinite(value):
                 found.setdefault(run, []).append(
