@@ -93,15 +93,6 @@ def folds(groups: IntArray, most: int) -> Iterator[tuple[IntArray, IntArray]]:
 
 
 def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:
-    """Give the error of a law's structure on left-out groups as a share of their force, scatter included.
-
-    Arguments as for `refitted_mean_squares`.
-    """
-    squares = refitted_mean_squares(law, loops, observations, most) + loops.noise_rms_N**2
-    return float(np.sqrt(squares.sum() / np.sum(loops.force_rms_N**2)))
-
-
-def refitted_mean_squares(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> Array:
     """Give the error of a law's structure on (amplitude, frequency) groups that weren't used to fit it.
 
     Args:
@@ -111,7 +102,7 @@ def refitted_mean_squares(law: Law, loops: Loops, observations: LoopObservations
         most: most folds.
 
     Returns:
-        mean square of each loop's error, N2, scatter from cycle to cycle left aside, shape (R,).
+        error over all left-out loops as a share of their force, scatter included.
     """
     groups = condition_groups(loops)
     # Steps from point to point take their time; a fold's fit may be told at fewer points than its error.
@@ -120,7 +111,7 @@ def refitted_mean_squares(law: Law, loops: Loops, observations: LoopObservations
     factors = factors_of(find_groups(loops, fitted_to, as_it_is), loops, observations)
     explained = 0.0 if factors is None else factors.beside(as_it_is).force()
     widened = fitted_to.with_discrepancy(as_it_is, explained)
-    squares = np.zeros(len(groups))
+    error = force = 0.0
     for used, left_out in folds(groups, most):
         rows = widened.rows(used)
         own = None if factors is None else PooledObservations(rows, factors.rows(used))
@@ -131,5 +122,7 @@ def refitted_mean_squares(law: Law, loops: Loops, observations: LoopObservations
         if own and factors:
             # a group's factors come from its runs that are left
             shown = factors.rows(left_out).beside(foretold).force(own.estimate(refitted.law_force))
-        squares[left_out] = beyond.mean_squares(foretold, shown)
-    return squares
+        misfit = beyond.mean_squares(foretold, shown)
+        error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))
+        force += float(np.sum(loops.force_rms_N[left_out] ** 2))
+    return float(np.sqrt(error / force))
