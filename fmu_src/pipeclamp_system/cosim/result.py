@@ -261,8 +261,8 @@ class CosimResult:
             lines.append("the displacement's error for its steps isn't told: two runs of a swing drift apart")
         if self.step_error is not None and self.step_error <= self.trusted_share:
             lines.append(
-                f"the displacement errs by {self.step_error:.2%} in amplitude and phase for its steps, "
-                "as a run in another step tells"
+                f"the displacement errs by {self.step_error:.2%} in amplitude and phase by its time steps: a second "
+                "run in other steps tells it"
             )
         parts = (f"{NAMES[name]} {value:.4g}" for name, value in self.energy.final().items())
         lines.append(f"energy, J: {', '.join(parts)}")

@@ -62,8 +62,8 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
         "speaks against it",
     )
     caption = (
-        "every candidate refitted jointly with the law; errors on left-out tests estimated from these fits, in order "
-        "of their squares in units of the noise"
+        "each effect is fitted together with the law, which gives an estimate of its error on left-out tests; best "
+        "first, by their squares in units of the noise"
     )
     return Table(header, rows, f"{caption}; {', '.join(idle)}: of no help" if idle else caption)
 
