@@ -21,6 +21,8 @@ WENT_ON = 0.05
 dwell, and a record rest."""
 SMOOTH_TOP = 8
 """Quanta by which a smooth extreme, quantised, falls over as many samples as it stands, whatever its curvature."""
+STANDING_SHARE = 1e-9
+"""Share of a channel's largest value that is rounding: what varies by less stands."""
 REST_VELOCITY_SHARE = 0.1
 """Share of the rms velocity above which a record doesn't begin at rest."""
 
@@ -134,14 +136,18 @@ def _quantum(samples: Array) -> float:
 def fundamental_of_motion(record: Record, motion: SmoothMotion) -> Fundamental:
     """Give the equivalent linear spring and dashpot of a record, at the motion's mean frequency.
 
-    Each period of it counts once, so that neighbouring samples don't pass for evidence of their own.
+    Each period of it counts once, so that neighbouring samples don't pass for evidence of their own. A way at constant
+    speed tells of no dashpot.
     """
     force = np.interp(motion.time, record.time_s - record.time_s[0], record.force_N)
-    basis = np.stack([motion.y - np.mean(motion.y), motion.v - np.mean(motion.v)])
-    scale = np.sqrt(np.mean(basis**2, axis=1, keepdims=True))
+    moving = np.stack([motion.y, motion.v])
+    basis = moving - np.mean(moving, axis=1, keepdims=True)
+    scale = np.std(moving, axis=1, keepdims=True)
+    told = scale > STANDING_SHARE * np.max(np.abs(moving), axis=1, keepdims=True)
+    basis = np.where(told, basis / np.where(told, scale, 1.0), 0.0)
     centred = force - np.mean(force)
-    solution, *_ = np.linalg.lstsq((basis / scale).T, centred, rcond=None)
-    rest = float(np.std(centred - solution @ (basis / scale)))
+    solution, *_ = np.linalg.lstsq(basis.T, centred, rcond=None)
+    rest = float(np.std(centred - solution @ basis))
     amplitude = motion.amplitude
     per_mm = np.sqrt(2) / amplitude
     periods = max(motion.frequency * float(motion.time[-1]), 1.0)

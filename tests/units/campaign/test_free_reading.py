@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeclamp_identification.campaign.free_motion import fundamental_of_motion
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.writing import joined_runs
+from pipeclamp_identification.signals.smooth_motion import SmoothMotion
 from pipeclamp_models.base.errors import UserError
 
 
@@ -227,3 +229,14 @@ def test_a_force_that_stands_far_off_is_told_and_kept(write):
     (told,) = read_campaign(write(setting("force_N", lambda F: F + 20000.0), table=ALONE)).remarks
     assert told.startswith("a mean force of 2e+04 N stands in all runs of free motion")
     assert read_campaign(write(setting("force_N", lambda F: F + 1000.0), table=ALONE, folder="near")).remarks == ()
+
+
+def test_a_way_at_constant_speed_tells_a_spring_and_no_dashpot():
+    """Its velocity varies by nothing: the fit ended in a traceback ("SVD did not converge")."""
+    time = np.arange(400) / 100.0
+    noise = np.random.default_rng(3).standard_normal(len(time))
+    motion = SmoothMotion(time, 0.5 * time, np.full(len(time), 0.5), np.zeros(len(time)), 0.0)
+    ramp = Record(time_s=time, displacement_mm=motion.y, force_N=800 * motion.y + noise)
+    found = fundamental_of_motion(ramp, motion)
+    assert found.stiffness.real == pytest.approx(800, rel=1e-3)
+    assert found.stiffness.imag == 0.0
