@@ -29,16 +29,16 @@ from pipeclamp_identification.importing.reading import files_in, passed_over_in
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.writing import (
-    PAGE,
     existing_campaign,
     head_of,
     is_left_out_anew,
+    put_in_place,
     refuse_other_time,
     write_campaign,
     write_description,
 )
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import replace_folder, restored, staged_folder
+from pipeclamp_models.base.files import restored, staged_folder
 from pipeclamp_models.base.processes import cores, spread
 
 RESTORED = "an earlier import was ended while it replaced the campaign; the campaign was put back as it was before"
@@ -107,10 +107,7 @@ def import_whole(
         if found.imported.delay:
             write_description(work, head_of(existing, plan, name, notes), found.imported)
         tell("its page")
-        (work / PAGE).write_text(page(found), encoding="utf-8", newline="\n")
-        if confirm and not confirm(found):
-            raise UserError("nothing was written: the import wasn't confirmed")
-        replace_folder(work, folder)
+        put_in_place(work, folder, page(found), partial(confirm, found) if confirm else None)
     return found
 
 

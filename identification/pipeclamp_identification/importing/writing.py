@@ -7,7 +7,7 @@ import io
 import json
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from pipeclamp_identification.campaign.description import (
 from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME, Format
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import refuse_folder
+from pipeclamp_models.base.files import refuse_folder, replace_folder
 
 PAGE = "import.html"
 OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
@@ -54,9 +54,32 @@ class Existing:
         return self.description.imported or Imported()
 
     @property
+    def holds_records(self) -> bool:
+        """Whether its tests have records: results of tests have none, and no campaign holds both."""
+        return bool(self.rows[0].get("file"))
+
+    @property
     def known(self) -> dict[str, str]:
         """SHA-256 of each of its files, by name."""
         return {one.file: one.sha256 for one in self.imported.files}
+
+
+def put_in_place(work: Path, folder: Path, page: str, confirm: Callable[[], bool] | None) -> None:
+    """Put a campaign and its page in place, once that is confirmed.
+
+    Args:
+        work: where it lies.
+        folder: where it will lie.
+        page: its page.
+        confirm: asks; a no leaves all as it was.
+
+    Raises:
+        UserError: it wasn't confirmed.
+    """
+    (work / PAGE).write_text(page, encoding="utf-8", newline="\n")
+    if confirm and not confirm():
+        raise UserError("nothing was written: the import wasn't confirmed")
+    replace_folder(work, folder)
 
 
 def existing_campaign(folder: Path) -> Existing | None:

@@ -12,6 +12,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import metrics_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.units import CELSIUS
 
 METRIC_DIGITS = 6
@@ -83,7 +84,7 @@ def metric_files(campaign: MetricCampaign) -> Iterator[tuple[str, bytes]]:
 
 
 def _digits(value: float) -> float:
-    return float(f"{value:.{METRIC_DIGITS}g}")
+    return rounded_to(value, METRIC_DIGITS)
 
 
 def _known(value: float) -> float | None:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 
+def rounded_to(value: float, digits: int) -> float:
+    """Give a number with so many significant digits."""
+    return float(f"{value:.{digits}g}")
+
+
 def plain(value: float, digits: int) -> str:
     """Give a number with so many significant digits, without a power of ten where figures do: 1000, not 1e+03."""
-    return f"{float(f'{value:.{digits}g}'):g}"
+    return f"{rounded_to(value, digits):g}"
 
 
 def one_digit(value: float) -> str:

@@ -137,8 +137,9 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
     both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
     second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
-    alone, together = told_apart(explained_share(named, scales.law), explained_share(pair, scales.law))
-    takes = alone if explained_share(named, scales.law) >= NEXT_TO_NOTHING else "next to nothing"
+    by_itself = explained_share(named, scales.law)
+    alone, together = told_apart(by_itself, explained_share(pair, scales.law))
+    takes = alone if by_itself >= NEXT_TO_NOTHING else "next to nothing"
     reason = (
         f"two effects are missing: {named.effects[0]} first, which takes {takes} by itself; with {second} beside it "
         f"{together} is explained"

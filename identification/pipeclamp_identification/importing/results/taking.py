@@ -16,6 +16,7 @@ from pipeclamp_identification.importing.results.recognised import frequency_of_r
 from pipeclamp_identification.importing.results.rows import LOSS, STORAGE, ResultRow, left_out_words, result_rows
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.unusable import UnusableFileError
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.errors import UsageError, UserError
 
 DIGITS = 6
@@ -166,4 +167,4 @@ def _stiffness(row: ResultRow) -> Settings:
 
 
 def _digits(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
+    return rounded_to(value, DIGITS)

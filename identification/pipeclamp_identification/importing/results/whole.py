@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,16 +29,16 @@ from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import ResultsFileError, UnusableFileError, listed_why
 from pipeclamp_identification.importing.whole import RESTORED, import_whole, passed_over_words
 from pipeclamp_identification.importing.writing import (
-    PAGE,
     Existing,
     existing_campaign,
     is_left_out_anew,
+    put_in_place,
     still_left_out,
     table_text,
     write_description,
 )
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import replace_folder, restored, set_aside, staged_folder
+from pipeclamp_models.base.files import restored, set_aside, staged_folder
 
 if TYPE_CHECKING:
     from pipeclamp_identification.importing.results.found import FoundResults
@@ -83,7 +84,7 @@ def import_any(
 def _holds_results(folder: Path) -> bool:
     """Tell whether a campaign that was imported lies there, of tests without records."""
     existing = existing_campaign(folder) if folder.is_dir() else None
-    return existing is not None and not existing.rows[0].get("file")
+    return existing is not None and not existing.holds_records
 
 
 def import_results(
@@ -108,7 +109,7 @@ def import_results(
     files = files_in(paths)
     back = restored(folder)
     existing = existing_campaign(folder)
-    if existing and existing.rows[0].get("file"):
+    if existing and existing.holds_records:
         raise UserError(
             f"{folder}: holds records of tests, which results don't join; expected another campaign for them (-o)"
         )
@@ -129,10 +130,7 @@ def import_results(
         if dry_run:
             return found
         tell("its page")
-        (work / PAGE).write_text(page(found), encoding="utf-8", newline="\n")
-        if confirm and not confirm(found):
-            raise UserError("nothing was written: the import wasn't confirmed")
-        replace_folder(work, folder)
+        put_in_place(work, folder, page(found), partial(confirm, found) if confirm else None)
     return found
 
 
