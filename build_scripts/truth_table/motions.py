@@ -20,6 +20,7 @@ from devices.drive import Array, Drive
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.reading import Campaign, read_campaign
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfits
@@ -86,7 +87,7 @@ def free_runs(case: DeviceCase, seed: int) -> dict[str, FreeRun]:
         record = Record(
             np.arange(len(force)) / rig.rate, y[:: 2 * every].copy(), force + noise * random.standard_normal(len(force))
         )
-        found[name] = FreeRun(name, None, T, None, 0.0, {}, record, free_motion(record))
+        found[name] = FreeRun(name, Setup(temperature_C=T), record, free_motion(record))
     return found
 
 

@@ -13,6 +13,7 @@ from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import check_samples
 from pipeclamp_identification.campaign.rig import TestPlan, virtual_runs
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.identify import identify
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.law.law import Law, Structure, smoothing
@@ -55,11 +56,11 @@ def campaign_of(law: Law, plan: TestPlan) -> Campaign:
     for virtual in virtual_runs(law, plan):
         record = virtual.record
         check_samples(record)
-        row = {name: value for name, value in virtual.row.items() if name not in ("run", "first_cycle")}
+        row = virtual.row
         runs.append(
             Run(
-                name=str(virtual.row["run"]), record=record, cycles=find_cycles(record), specimen=None,
-                density_g_cm3=None, first_cycle=0.0, conditions={}, **row,
+                str(row["run"]), Setup(temperature_C=row["temperature_C"]), row["amplitude_mm"], row["frequency_Hz"],
+                record, find_cycles(record),
             )
         )  # fmt: skip
     return Campaign("virtual", "", "sha256:none", tuple(runs), (), ())

@@ -79,10 +79,11 @@ class Tests(Shown):
     def __str__(self) -> str:
         """Say how many runs there are, over which conditions, which are left out, and what to know of them."""
         runs = self._loops
+        temperatures = [run.setup.temperature_C for run in runs]
         spans = [
             _span("A", "mm", [run.amplitude_mm for run in runs]),
             _span("f", "Hz", [run.frequency_Hz for run in runs]),
-            _span("T", "°C", [round(run.temperature_C, 1) for run in runs if run.temperature_C is not None]),
+            _span("T", "°C", [round(T, 1) for T in temperatures if T is not None]),
         ]
         words = f"{self.name}: {', '.join([self._count(), *filter(None, spans)])}"
         return "\n".join([words, *self.left_out, *self.remarks])

@@ -184,7 +184,7 @@ def imported_tests_table(found: FoundResults, answer: ImportAnswer, *, new_only:
     shown = runs[:MOST_SHOWN] if new_only else runs
     rows = [
         (
-            run.name, sources.get(run.name), run.amplitude_mm, run.frequency_Hz, run.temperature_C,
+            run.name, sources.get(run.name), run.amplitude_mm, run.frequency_Hz, run.setup.temperature_C,
             *stored_and_lost(run),
         )
         for run in shown

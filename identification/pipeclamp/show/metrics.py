@@ -27,7 +27,7 @@ def metric_table(campaign: MetricCampaign, most: int | None = None) -> Table:
     """Give a campaign of metrics as a table, or the first `most` runs of it."""
     rows = [
         (
-            run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.dissipated_energy_J,
+            run.name, run.amplitude_mm, run.frequency_Hz, run.setup.temperature_C, run.dissipated_energy_J,
             run.max_elastic_energy_J, run.loss_factor, run.stiffness,
         )
         for run in campaign.runs[:most]

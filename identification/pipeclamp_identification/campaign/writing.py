@@ -142,11 +142,11 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 **({"motion": "free" if isinstance(run, FreeRun) else "sine"} if free else {}),
                 "amplitude_mm": None if isinstance(run, FreeRun) else run.amplitude_mm,
                 "frequency_Hz": None if isinstance(run, FreeRun) else run.frequency_Hz,
-                "temperature_C": run.temperature_C,
-                "specimen": run.specimen,
-                **({} if isinstance(run, FreeRun) else run.labels),
-                "density_g_cm3": run.density_g_cm3,
-                **{column: run.conditions[column] for column in columns},
-                "first_cycle": run.first_cycle,
+                "temperature_C": run.setup.temperature_C,
+                "specimen": run.setup.specimen,
+                **run.setup.labels,
+                "density_g_cm3": run.setup.density_g_cm3,
+                **{column: run.setup.conditions[column] for column in columns},
+                "first_cycle": run.setup.first_cycle,
             }
             yield WrittenRun(row, run.record)

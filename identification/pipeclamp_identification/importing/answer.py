@@ -130,7 +130,7 @@ class Found:
                     file=source.file,
                     amplitude_mm=measured[0] if measured else self.judged.settings[source.run][0] if sine else None,
                     frequency_Hz=sine.cycles.frequency_Hz if sine else measured[1] if measured else None,
-                    temperature_C=row.temperature_C if row and source.run not in lost else None,
+                    temperature_C=row.setup.temperature_C if row and source.run not in lost else None,
                     cycles=sine.cycles.count if sine else None,
                     new=source.run in new,
                     done=source.done,

@@ -48,7 +48,7 @@ def variations_of(campaign: Campaign, loops: Loops) -> tuple[Variation, ...]:
         The variations of two or more runs, in the order frequency, amplitude, density, temperature, further conditions.
     """
     levels = _levels(campaign, loops)
-    specimens = [run.specimen or "" for run in campaign.runs]
+    specimens = [run.setup.specimen or "" for run in campaign.runs]
     published = [matching_row(run) for run in campaign.runs]
     variations = []
     for quantity, varied in levels.items():
@@ -133,8 +133,8 @@ def _levels(campaign: Campaign, loops: Loops) -> dict[str, Array]:
     quantities = {
         "frequency_Hz": np.where(np.isfinite(frequency), frequency, loops.frequency_Hz),
         "amplitude_mm": np.where(np.isfinite(amplitude), amplitude, loops.amplitude_mm),
-        "density_g_cm3": of(lambda run: run.density_g_cm3),
-        "temperature_C": of(lambda run: run.temperature_C),
+        "density_g_cm3": of(lambda run: run.setup.density_g_cm3),
+        "temperature_C": of(lambda run: run.setup.temperature_C),
         **loops.conditions,
     }
     return {name: levels_of(name, values) for name, values in quantities.items()}

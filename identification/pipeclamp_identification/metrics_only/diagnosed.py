@@ -161,7 +161,7 @@ def metrics_diagnosed(
 
 def _place(campaign: MetricCampaign, row: int) -> str:
     run = campaign.runs[row]
-    T = "" if run.temperature_C is None else f", {run.temperature_C:g} °C"
+    T = "" if run.setup.temperature_C is None else f", {run.setup.temperature_C:g} °C"
     return f"{run.name} ({run.amplitude_mm:g} mm, {run.frequency_Hz:g} Hz{T})"
 
 

@@ -86,7 +86,8 @@ def rms(logs: Array) -> float:
 def _columns(campaign: MetricCampaign) -> dict[str, Array]:
     """Give the conditions by the names that a law's range has."""
     motion = metric_observations(campaign).motion
-    further = {name: np.array([run.conditions[name] for run in campaign.runs]) for name in campaign.condition_columns}
+    setups = [run.setup for run in campaign.runs]
+    further = {name: np.array([setup.conditions[name] for setup in setups]) for name in campaign.condition_columns}
     known = (name for name in ("A", "f", "T", "rho") if name not in motion.assumed)
     return {**{name: motion.slow[name][:, 0] for name in known}, **further}
 

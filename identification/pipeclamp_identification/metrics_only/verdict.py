@@ -251,4 +251,4 @@ def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array
     """Give the functions of the conditions that count as smooth, shape (R, q)."""
     columns = {name: values[:, 0] for name, values in observations.motion.slow.items()}
     A, f, T = (columns.pop(name) for name in ("A", "f", "T"))
-    return smooth_functions(A, f, T, list(columns.values()), [run.specimen for run in campaign.runs])
+    return smooth_functions(A, f, T, list(columns.values()), [run.setup.specimen for run in campaign.runs])

@@ -159,17 +159,17 @@ class RecordTests:
     def per(self, column: str) -> Mapping[str, RecordTests]:
         """Give the tests of each group, see `Tests.per`."""
         runs = self.sines.runs
-        columns = list(dict.fromkeys(name for run in runs for name, text in run.texts.items() if text))
+        columns = list(dict.fromkeys(name for run in runs for name, text in run.setup.texts.items() if text))
         if column not in columns:
             raise UserError(
                 f"column: got {column!r}; {did_you_mean(column, columns)}expected a column of texts in runs.csv, which "
                 f"has {', '.join(columns) or 'none'}"
             )
-        groups = sorted({run.texts[column] for run in runs})
-        if blank := [run.name for run in runs if not run.texts[column]]:
+        groups = sorted({run.setup.texts[column] for run in runs})
+        if blank := [run.name for run in runs if not run.setup.texts[column]]:
             raise UserError(f"column {column!r}: blank for run {', '.join(blank[:5])}; fill it in in runs.csv")
         return {
-            name: RecordTests(self.sines.of_runs(tuple(run for run in runs if run.texts[column] == name)))
+            name: RecordTests(self.sines.of_runs(tuple(run for run in runs if run.setup.texts[column] == name)))
             for name in groups
         }
 

@@ -210,10 +210,10 @@ def test_what_nobody_stated_is_no_effect(campaign):
     plan = replace(PLAN, amplitudes=(0.3, 0.6, 1.0), frequencies=(1.0, 3.0, 5.0), temperatures=(20.0, 150.0, 300.0))
     stated = campaign(plan=plan, k1_T=-0.2)
     runs = [
-        replace(run, temperature_C=None)
+        replace(run, setup=replace(run.setup, temperature_C=None))
         for run in stated.runs
-        if not (run.frequency_Hz < 2.0 and run.temperature_C > 250.0)
-        and not (run.frequency_Hz > 4.0 and run.temperature_C < 50.0)
+        if not (run.frequency_Hz < 2.0 and run.setup.temperature_C > 250.0)
+        and not (run.frequency_Hz > 4.0 and run.setup.temperature_C < 50.0)
     ]
     diagnosis = diagnose(Structure("power"), replace(stated, runs=tuple(runs)))
     assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())

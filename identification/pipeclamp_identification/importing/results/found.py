@@ -70,7 +70,7 @@ class FoundResults:
                 file=source.file,
                 amplitude_mm=row.amplitude_mm,
                 frequency_Hz=row.frequency_Hz,
-                temperature_C=row.temperature_C if source.run not in lost else None,
+                temperature_C=row.setup.temperature_C if source.run not in lost else None,
                 cycles=None,
                 new=source.run in self.new,
                 done=(METRICS,),

@@ -223,7 +223,7 @@ class _Made:
             raise UserError(str(error).replace(str(work), str(self.folder))) from error
         files = self.taken.files
         new = frozenset(source.run for one in files for _, source in one.rows)
-        unknown = any(row.temperature_C is None for row in table.rows if row.run in new)
+        unknown = any(row.setup.temperature_C is None for row in table.rows if row.run in new)
         asked = unknown and not self.options.pattern and not self.options.conditions
         return FoundResults(
             folder=self.folder,
