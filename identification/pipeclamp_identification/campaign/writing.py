@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -146,7 +147,7 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 "specimen": run.setup.specimen,
                 **run.setup.labels,
                 "density_g_cm3": run.setup.density_g_cm3,
-                **{column: run.setup.conditions[column] for column in columns},
+                **{column: None if math.isnan(value := run.setup.conditions[column]) else value for column in columns},
                 "first_cycle": run.setup.first_cycle,
             }
             yield WrittenRun(row, run.record)
