@@ -15,9 +15,9 @@ from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.workflow.next_command import next_command
-from pipeclamp_identification.workflow.tests import Diagnosed, silent
+from pipeclamp_identification.workflow.tests import Diagnosed
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import NamedKind

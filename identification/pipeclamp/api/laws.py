@@ -13,10 +13,9 @@ from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.change import add_effects, remove_effect
 from pipeclamp_identification.workflow.change import refit as refitted
-from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration_files import read_effects
 from pipeclamp_models.law.file import NamedKind, Provenance
 

@@ -15,7 +15,7 @@ from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in, settings_of
-from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
+from pipeclamp_identification.importing.plan import ImportPlan, Overview, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls
 from pipeclamp_identification.importing.reading import Contents, digest_of, stem_of
 from pipeclamp_identification.importing.stated import LeaveOut, Options
@@ -64,7 +64,7 @@ def plan_import(
     left_out: Sequence[LeftOutFile] = (),
     taken: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
-) -> Plan:
+) -> ImportPlan:
     """Plan what files become; their runs' records are written, and none is held.
 
     Args:
@@ -295,7 +295,7 @@ class _Planner:
         self.taken.add(name)
         return name
 
-    def plan(self, again: tuple[str, ...], left_out: tuple[LeftOutFile, ...] = ()) -> Plan:
+    def plan(self, again: tuple[str, ...], left_out: tuple[LeftOutFile, ...] = ()) -> ImportPlan:
         """Give all that was taken; `again` names files that are known, `left_out` those that can't be used.
 
         Raises:
@@ -331,7 +331,7 @@ class _Planner:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
         notes = (*listed_why([(one.file, one.why) for one in left_out]), *self.notes)
-        return Plan(
+        return ImportPlan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out,
             tuple(self.untimed),
         )  # fmt: skip

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeclamp_identification.diagnosis.named import parts_of
-from pipeclamp_identification.workflow.tests import Tests, silent
+from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, former_law_of, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect

@@ -24,9 +24,9 @@ from pipeclamp_identification.metrics_only.law import (
     rms,
 )
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
-from pipeclamp_identification.workflow.tests import RefittedLaw, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
 from pipeclamp_models.law.law import Structure

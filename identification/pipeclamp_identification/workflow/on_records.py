@@ -17,9 +17,9 @@ from pipeclamp_identification.fitting.identify import Identification, Method, fi
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_identification.workflow.tests import RefittedLaw, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 from pipeclamp_models.law.law import Law, Structure

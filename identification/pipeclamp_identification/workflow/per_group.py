@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.workflow.tests import Identified, Tests, silent
+from pipeclamp_identification.workflow.tests import Identified, Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 
 FEWEST_RUNS_OF_A_GROUP = 4

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pipeclamp_identification.diagnosis.named import Naming
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.step import BeforeAfter
 
 if TYPE_CHECKING:
@@ -15,14 +16,9 @@ if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_identification.fitting.identify import Method
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
-    from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
     from pipeclamp_models.law.file import LawFile, Provenance
     from pipeclamp_models.law.law import Structure
-
-
-def silent(what: str) -> None:
-    """Tell nobody what is being done."""
 
 
 class Held(Protocol):

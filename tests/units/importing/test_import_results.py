@@ -261,8 +261,9 @@ def test_files_without_results_may_be_left_out_beside_others(tmp_path):
 
 
 def test_nothing_is_written_where_the_columns_arent_confirmed(tmp_path):
-    from pipeclamp_identification.importing.results.whole import import_any
+    from pipeclamp_identification.importing.request import ImportRequest
     from pipeclamp_identification.importing.stated import Options
+    from pipeclamp_identification.importing.whole import import_campaign
 
     shown = []
 
@@ -271,8 +272,9 @@ def test_nothing_is_written_where_the_columns_arent_confirmed(tmp_path):
         return False
 
     file = sweep(tmp_path / "one.csv", plain())
+    request = ImportRequest([file], tmp_path / "c", Options(), page=lambda found: "", confirm=refused)
     with pytest.raises(UserError, match="nothing was written: the import wasn't confirmed"):
-        import_any([file], tmp_path / "c", Options(), page=lambda found: "", confirm=refused)
+        import_campaign(request)
     assert shown == ["amplitude", "frequency", "storage_stiffness", "loss_stiffness"]
     assert [path.name for path in tmp_path.iterdir()] == ["one.csv"]
 
