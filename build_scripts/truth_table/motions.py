@@ -27,6 +27,7 @@ from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfit
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.law.file import LawFile, Provenance
+from pipeclamp_models.law.law import Structure
 
 LAWS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("power", ()), ("memory", ()), ("power", ("bouc_wen",)), ("power", ("slip_spread",)),
@@ -105,7 +106,7 @@ def sines(case: DeviceCase, seed: int) -> tuple[Campaign, Campaign]:
 def identified(campaign: Campaign, base: str, effects: tuple[str, ...]) -> LawFile:
     """Fit a law to sines."""
     return law_file(
-        identify(campaign, base=base, effects=effects), campaign, name=base, provenance=Provenance("motions")
+        identify(campaign, Structure(base, tuple(effects))), campaign, name=base, provenance=Provenance("motions")
     )
 
 

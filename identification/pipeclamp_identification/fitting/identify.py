@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -24,7 +24,6 @@ from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown
-from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import (
     SCHEMA,
     CoefficientEntry,
@@ -42,7 +41,7 @@ from pipeclamp_models.law.file import (
     Provenance,
     RunQuality,
 )
-from pipeclamp_models.law.law import Equations, Structure
+from pipeclamp_models.law.law import BASE_LAW, Equations, Structure
 from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.range import intervals_of, rounded
 from pipeclamp_models.realise.force import LawForce
@@ -74,24 +73,18 @@ class Identification:
 
 def identify(
     campaign: Campaign,
+    structure: Structure = BASE_LAW,
     *,
-    base: str = "power",
-    effects: Sequence[str] = (),
-    frozen: Mapping[str, float] | None = None,
     method: Method = "joint",
-    declared: Iterable[Declaration] = (),
     progress: Progress | None = None,
 ) -> Identification:
     """Identify a law from all runs of a campaign.
 
     Args:
         campaign: the tests.
-        base: name of the base law; "series" chooses its orders by their accuracy on left-out conditions.
-        effects: names of effects fitted with it.
-        frozen: values of parameters that are not to be fitted, by name.
+        structure: of the law; base "series" chooses its orders by their accuracy on left-out conditions.
         method: "joint" fits everything at once; "surfaces" is the paper's route by itself, loop by loop and then
             surfaces over the conditions (power base without effects).
-        declared: a user's own effects.
         progress: is told what is being done.
 
     Raises:
@@ -101,14 +94,12 @@ def identify(
     tell(f"loops of {len(campaign.runs)} runs")
     loops = loops_of(campaign)
     observations = loop_observations(loops)
-    structure = Structure(base, tuple(effects)).with_declared(declared)
-    if base == "series":
+    if structure.base == "series":
         # Its highest orders stand with the mathematics of its terms, which other bases do without.
         from pipeclamp_identification.fitting.series_orders import choose_series
 
         tell("orders of the series")
-        structure = choose_series(loops, observations, structure)
-    structure = replace(structure, frozen=tuple(sorted((frozen or {}).items())))
+        structure = replace(choose_series(loops, observations, replace(structure, frozen=())), frozen=structure.frozen)
     refuse_unknown(structure)
     result = fit_structure(structure, loops, observations, method=method, progress=tell)
     tell("error on every sample")

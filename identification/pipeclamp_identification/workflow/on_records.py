@@ -22,7 +22,7 @@ from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
-from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.law.law import BASE_LAW, Law, Structure
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import BeforeAfter
 
@@ -140,20 +140,10 @@ class RecordTests:
         return tuple(filter(None, (*self.campaign.remarks, self.campaign.smoothing.words())))
 
     def identify(
-        self,
-        *,
-        base: str = "power",
-        effects: Sequence[str] = (),
-        frozen: Mapping[str, float] | None = None,
-        method: Method = "joint",
-        declared: Iterable[Declaration] = (),
-        progress: Progress = silent,
+        self, structure: Structure = BASE_LAW, *, method: Method = "joint", progress: Progress = silent
     ) -> FittedToRecords:
         """Fit a law to all records of sines, see `Tests.identify`."""
-        found = identify(
-            self.sines, base=base, effects=effects, frozen=frozen, method=method, declared=declared,
-            progress=progress,
-        )  # fmt: skip
+        found = identify(self.sines, structure, method=method, progress=progress)
         return FittedToRecords(self.sines, found)
 
     def per(self, column: str) -> Mapping[str, RecordTests]:

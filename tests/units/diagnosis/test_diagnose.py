@@ -313,10 +313,10 @@ def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     """A ladder that took the one for the other gets to the one that is there, and stays."""
     tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
-    taken = identify(tests, effects=("hardening",)).fit.law
+    taken = identify(tests, Structure(effects=("hardening",))).fit.law
     better, *_ = better_structures(ask_again(taken, loops), silent)
     assert better == Structure("power", ("end_stop",))
-    assert not better_structures(ask_again(identify(tests, effects=better.effects).fit.law, loops), silent)
+    assert not better_structures(ask_again(identify(tests, Structure(effects=better.effects)).fit.law, loops), silent)
 
 
 def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
@@ -325,7 +325,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     truth = Law(Structure("series:1:2"), {**values, "r_A": 0.0, "r_f": 0.0}, 0.0126, 0.002)
     write_campaign(tmp_path / "campaign", rig.virtual_runs(truth, PLAN), name="virtual", notes="")
     tests = read_campaign(tmp_path / "campaign")
-    taken = identify(tests, effects=("oil_damper",)).fit.law
+    taken = identify(tests, Structure(effects=("oil_damper",))).fit.law
     structures = better_structures(ask_again(taken, loops_of(tests)), silent)
     assert structures == [Structure("series:1:2", ("oil_damper",)), Structure("series:1:2")]
 
@@ -339,7 +339,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
 )
 def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, hidden, values, expected):
     tests, taken = campaign((hidden,), **values), "gas_spring"
-    asked = ask_again(identify(tests, effects=(taken,)).fit.law, loops_of(tests))
+    asked = ask_again(identify(tests, Structure(effects=(taken,))).fit.law, loops_of(tests))
     assert simpler_structure(asked, (), silent) is None
     assert simpler_structure(asked, (taken,), silent) == (expected and Structure("power", (expected,)))
 
