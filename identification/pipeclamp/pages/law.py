@@ -17,7 +17,7 @@ from pipeclamp_models.equations.symbols import FIXED
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
-from pipeclamp_models.realise.reading.text import equation_lines
+from pipeclamp_models.realise.reading.text import equation_lines, law_statements
 
 POINTS_PER_AXIS = 40
 
@@ -26,7 +26,7 @@ def law_sections(file: LawFile) -> list[Section]:
     """Give the part of a page that shows a law: its equations, parameters and surfaces."""
     law = law_of(file)
     return [
-        Section("Law", [*equation_lines(law.equations.composed), *_fixed_words(law)]),
+        Section("Law", _fixed_words(law), formulas=law_statements(law.equations.composed)),
         Section("Parameters", doubts(file), [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
     ]
