@@ -125,7 +125,7 @@ def diagnose(
     Args:
         law: the law, or its file or bundled name.
         tests: the tests, or their folder or bundled name.
-        limits: what the rig can do, for the next test: "A=0.1..2,f=0.5..20,T=20..300" (mm, Hz, degC).
+        limits: what the rig can do, for the next test: "A=0.1..2,f=0.5..20,T=20..300" (mm, Hz, °C).
         declared: declarations of your own effects by path (F.toml): candidates too.
         jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
         progress: is told what is being done.

@@ -72,7 +72,7 @@ class Import(Shown):
         return import_report(self.found)
 
     def to_frame(self) -> pl.DataFrame:
-        """Give a row a run: file, amplitude (mm), frequency (Hz), temperature (degC), cycles."""
+        """Give a row a run: file, amplitude (mm), frequency (Hz), temperature (°C), cycles."""
         from pipeclamp.api.shown import frame_of
 
         return frame_of(self.to_dict()["runs"])

@@ -69,7 +69,7 @@ class Tests(Shown):
         return Report(f"Loop metrics of {self.name}", self.tests.notes, sections)
 
     def to_frame(self) -> pl.DataFrame:
-        """Give a row a run: conditions (mm, Hz, degC), dW and W (J), loss factor, stiffness (N/mm), scatter."""
+        """Give a row a run: conditions (mm, Hz, °C), dW and W (J), loss factor, stiffness (N/mm), scatter."""
         return frame_of(self.to_dict()["runs"])
 
     def __repr__(self) -> str:
@@ -115,7 +115,7 @@ def read_campaign(campaign: PathOrName, *, strict: bool = False) -> Tests:
         strict: a run that can't be used is an error, else it is left out and listed in `left_out`.
 
     Returns:
-        the tests; displacement in mm, force in N, temperature in degC.
+        the tests; displacement in mm, force in N, temperature in °C.
 
     Raises:
         UserError: a file is missing or not as expected, or no run can be used.

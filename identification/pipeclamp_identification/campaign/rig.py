@@ -126,7 +126,7 @@ class TestPlan:
                     raise UsageError(f"test plan: {name} is {value:g}; expected a number above 0")
         for value in self.temperatures:
             if not (np.isfinite(value) and value > -CELSIUS):
-                raise UsageError(f"test plan: temperature is {value:g} degC; expected a number above {-CELSIUS:g}")
+                raise UsageError(f"test plan: temperature is {value:g} °C; expected a number above {-CELSIUS:g}")
         if not self.cycles >= 1:
             raise UsageError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
         if self.repeats < 1:

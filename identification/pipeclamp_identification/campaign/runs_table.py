@@ -35,8 +35,8 @@ NUMBER_COLUMNS = MappingProxyType(
     {
         "amplitude_mm": "above 0 mm",
         "frequency_Hz": "above 0 Hz",
-        "temperature_C": f"above {-CELSIUS} degC",
-        "density_g_cm3": "above 0 g/cm3",
+        "temperature_C": f"above {-CELSIUS} °C",
+        "density_g_cm3": "above 0 g/cm³",
         "first_cycle": "0 or more cycles",
     }
 )

@@ -379,7 +379,7 @@ class _NarrowingSearch:
 
 def test_words(test: NextLoopTest) -> str:
     """Say which test it is."""
-    warm = "the temperature of the tests so far" if test.temperature_C is None else f"{test.temperature_C:.3g} degC"
+    warm = "the temperature of the tests so far" if test.temperature_C is None else f"{test.temperature_C:.3g} °C"
     return (
         f"{PROFILES[SINE].words} of the clamp of {test.law} at {test.amplitude_mm:.3g} mm, {test.frequency_Hz:.3g} Hz, "
         f"{warm}, {RUNS_OF_A_TEST} times"

@@ -379,16 +379,16 @@ def _about_tables(description: PipeDescription) -> list[str]:
         hottest = find_fluid(table.fluid).hottest
         if table.temperature_C > hottest + WARM:
             lines.append(
-                f"{table.fluid} is taken with its density at {hottest:g} degC, the pipe is at "
-                f"{table.temperature_C:g} degC; give fluid = {{ density_kg_m3 = ... }} where that matters"
+                f"{table.fluid} is taken with its density at {hottest:g} °C, the pipe is at "
+                f"{table.temperature_C:g} °C; give fluid = {{ density_kg_m3 = ... }} where that matters"
             )
     if isinstance(table.material, str):
         material = find_material(table.material)
         known = min(max(table.temperature_C, material.coldest), material.hottest)
         if abs(table.temperature_C - known) > WARM:
             lines.append(
-                f"{table.material} is taken with its stiffness and expansion at {known:g} degC, where its table ends; "
-                f"the pipe is at {table.temperature_C:g} degC; give material = {{ E_GPa = ..., density_kg_m3 = ... }}"
+                f"{table.material} is taken with its stiffness and expansion at {known:g} °C, where its table ends; "
+                f"the pipe is at {table.temperature_C:g} °C; give material = {{ E_GPa = ..., density_kg_m3 = ... }}"
             )
     return lines
 

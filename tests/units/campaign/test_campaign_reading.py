@@ -129,7 +129,7 @@ def test_the_fingerprint_knows_the_content_not_the_place(campaign_folder, tmp_pa
         ("run,file,frequency_Hz\nA,runs/A.csv,0\n", ["row 2", "'frequency_Hz'", "'0'", "above 0 Hz"]),
         ("run,file,amplitude_mm\nA,runs/A.csv,-0.5\n", ["row 2", "'amplitude_mm'", "'-0.5'"]),
         ("run,file,amplitude_mm\nA,runs/A.csv,nan\n", ["row 2", "'amplitude_mm'", "'nan'", "blank"]),
-        ("run,file,temperature_C\nA,runs/A.csv,-273.15\n", ["row 2", "'temperature_C'", "above -273.15 degC"]),
+        ("run,file,temperature_C\nA,runs/A.csv,-273.15\n", ["row 2", "'temperature_C'", "above -273.15 °C"]),
         ("run,file,first_cycle\nA,runs/A.csv,-1\n", ["row 2", "'first_cycle'", "0 or more"]),
         ("run,file,density_g_cm3\nA,runs/A.csv,1e999\n", ["row 2", "'density_g_cm3'", "'1e999'"]),
         ("run,file,current_A\nA,runs/A.csv,1\nB,runs/B.csv,one\n", ["row 3", "'current_A'", "'one'"]),

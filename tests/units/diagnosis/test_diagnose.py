@@ -363,7 +363,7 @@ def test_limits_that_cant_serve(text):
         ("A=0.1..2 mm", "write A=0.1..2"),
         ("f=20..0.5", "the lower end first; write f=0.5..20"),
         ("A=0..1", "above 0 mm; write A=..1"),
-        ("T=-300..30", "above -273.15 degC; write T=..30"),
+        ("T=-300..30", "above -273.15 °C; write T=..30"),
         ("v=5..300", "the largest velocity alone; write v=..300"),
         ("F=300", "write F=..300"),
         ("a=1..2", "expected A=0.1..2,f=0.5..20"),

@@ -154,7 +154,7 @@ def test_no_temperature_is_made_up_where_the_tests_have_none(narrow, law, answer
         proposal = next_test(diagnosis, limits)
         assert proposal.temperature_C is None
         assert "Hz, the temperature of the tests so far, " in proposal.words()
-        assert "degC" not in proposal.words()
+        assert "°C" not in proposal.words()
         assert set(proposal.motion.slow["T"].ravel()) == {293.15}
     assert proposal.amplitude_mm == pytest.approx(answer.proposal.amplitude_mm)
     assert proposal.frequency_Hz == pytest.approx(answer.proposal.frequency_Hz)

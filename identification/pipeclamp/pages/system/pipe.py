@@ -22,6 +22,7 @@ from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.on_pipe.where import beyond_laws, how_much, where_words
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import ComplexArray
+from pipeclamp_models.base.units import unit_shown
 
 MEASURED_NAME = "measured"
 CORRECTED = SERIES[0]
@@ -129,7 +130,7 @@ def _panel_title(comparison: PipeComparison, one: Series, column: int) -> str:
 
 
 def _axis(probe: ProbeTable) -> str:
-    return f"{QUANTITIES[probe.order]} / {probe.unit}"
+    return f"{QUANTITIES[probe.order]} / {unit_shown(probe.unit)}"
 
 
 def map_picture(comparison: PipeComparison, series: Sequence[Series]) -> go.Figure:

@@ -59,7 +59,7 @@ class Limits:
 RANGES = {"A": "amplitude", "f": "frequency", "T": "temperature"}
 QUANTITY_WORDS = {"v": "velocity", "F": "force"}
 SUCH_AS = {"A": "2", "f": "20", "T": "300", "v": "300", "F": "5000"}
-LIMIT_UNITS = {"A": "mm", "f": "Hz", "T": "degC", "v": "mm/s", "F": "N"}
+LIMIT_UNITS = {"A": "mm", "f": "Hz", "T": "°C", "v": "mm/s", "F": "N"}
 ALL_ABOVE = {"A": 0.0, "f": 0.0, "T": -CELSIUS, "v": 0.0, "F": 0.0}
 """What both ends lie above."""
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"

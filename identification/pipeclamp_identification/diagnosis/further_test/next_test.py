@@ -113,14 +113,14 @@ def rivals_words(rivals: Sequence[str]) -> str:
 
 def temperature_words(temperature_C: float | None) -> str:
     """Say at which temperature a test is proposed."""
-    return "the temperature of the tests so far" if temperature_C is None else f"{temperature_C:.3g} degC"
+    return "the temperature of the tests so far" if temperature_C is None else f"{temperature_C:.3g} °C"
 
 
 def _further_words(signal: str, value: float) -> str:
     if signal == str(symbols.N):
         return f"after {value:.0f} load cycles"
     if signal == str(symbols.rho):
-        return f"density {value:.4g} g/cm3"
+        return f"density {value:.4g} g/cm³"
     return f"{signal.removeprefix(CONDITION)} {value:.4g}"
 
 

@@ -9,6 +9,7 @@ import sympy as sp
 from sympy.printing.str import StrPrinter
 
 from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Coefficient, Effect, Stage, State
 from pipeclamp_models.law.compose import Composed
@@ -86,12 +87,12 @@ def effect_statements(effect: Effect) -> list[Statement]:
 
 
 def _coefficients(coefficients: Sequence[Coefficient]) -> list[Statement]:
-    return [
-        Statement(
-            str(one.symbol) + (f", {one.unit}" if one.unit != "-" else ""), f"{latex(one.symbol)} =", one.expression
-        )
-        for one in coefficients
-    ]
+    return [Statement(_with_unit(one), f"{latex(one.symbol)} =", one.expression) for one in coefficients]
+
+
+def _with_unit(coefficient: Coefficient) -> str:
+    unit = "" if coefficient.unit == "-" else f", {unit_shown(coefficient.unit)}"
+    return f"{coefficient.symbol}{unit}"
 
 
 def _within_steps(stages: Sequence[Stage], states: Sequence[State]) -> list[Statement]:
