@@ -100,7 +100,7 @@ def metrics(
             report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests, following), command_called()
         )
     show(view, json)
-    if tests.has_loops and not (json or report):
+    if not (view.whole or json or report):
         put("Every run is in --json and --report.")
     print_next(following)
 

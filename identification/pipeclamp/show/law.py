@@ -151,7 +151,7 @@ def change_table(change: LawChange) -> Table:
     scatter = None if change.noise_nrmse is None else 100 * change.noise_nrmse
     rows: list[Sequence[str | float | None]] = [
         ("error on the runs used / %", 100 * change.nrmse.before, 100 * change.nrmse.after),
-        ("error on left-out conditions / %", 100 * change.heldout.before, 100 * change.heldout.after),
+        ("error on left-out conditions, by refits / %", 100 * change.heldout.before, 100 * change.heldout.after),
         ("scatter that no law explains / %", scatter, scatter),
     ]
     before, after = change.before.coefficients, change.after.coefficients
