@@ -96,7 +96,7 @@ def import_files(
     format: Format = "parquet",
     skip_unusable: bool = False,
     dry_run: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Import:
     """Make a campaign of test machines' files, or add files to one that was made so.
 
@@ -145,6 +145,6 @@ def import_files(
     request = ImportRequest(
         paths, Path(path_of(campaign, "a campaign's folder")), options,
         page=import_page, dry_run=dry_run, name=name, notes=notes, software=software(), format=format,
-        tell=progress or silent,
+        tell=progress,
     )  # fmt: skip
     return Import(import_campaign(request))

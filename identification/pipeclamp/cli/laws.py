@@ -41,7 +41,7 @@ from pipeclamp_models.base.now import now
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import LawChange
-    from pipeclamp_models.law.file import LawFile
+    from pipeclamp_models.law.file import LawFile, NamedKind
 
 app = typer.Typer()
 
@@ -346,7 +346,8 @@ def add(
     names, declarations = read_effects(names_in(effect), declared or ())
     if not names:
         raise UsageError(f"EFFECT: got {effect!r}; expected the name of an effect, such as memory")
-    change = partial(add_effects, effects=names, kind=meant and meant.value, declared=declarations)
+    kind: NamedKind | None = None if meant is None else meant.value
+    change = partial(add_effects, effects=names, kind=kind, declared=declarations)
     _change(change, "add", law, campaign, output, strict, reproducible)
 
 

@@ -33,8 +33,9 @@ def add(
     from pipeclamp_identification.workflow.change import add_effects
 
     tests = _tests(tell, campaign)
-    given: dict[str, Any] = {"provenance": Provenance(command, now()), "kind": kind, "progress": tell}
-    steps = add_effects(read_law(Path(of)), effect.split(","), tests, **given)
+    steps = add_effects(
+        read_law(Path(of)), effect.split(","), tests, provenance=Provenance(command, now()), kind=kind, progress=tell
+    )
     return _written(steps[-1].after, law)
 
 

@@ -6,7 +6,7 @@ import gzip
 import hashlib
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -20,6 +20,7 @@ from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import WINDOWS_DEVICES, write_folder
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.tables import pl
 
 
@@ -42,7 +43,7 @@ def campaign_files(
     notes: str,
     runs: Iterator[WrittenRun],
     format: Format = "csv",
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = silent,
     *,
     time_measured: bool = True,
 ) -> Iterator[tuple[str, bytes]]:
@@ -59,8 +60,7 @@ def campaign_files(
         rows.append({"run": run_name, "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
         samples = run.record.channels
         yield file, encoded(pl.DataFrame(samples), format)
-        if progress:
-            progress(run_name)
+        progress(run_name)
     yield "runs.csv", encoded(pl.DataFrame(rows, infer_schema_length=None), "csv")
     yield "campaign.toml", description_text(name, notes, time_measured=time_measured).encode()
 
@@ -84,7 +84,7 @@ def write_campaign(
     name: str,
     notes: str,
     format: Format = "csv",
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = silent,
     time_measured: bool = True,
 ) -> int:
     """Write a campaign into a new folder; it appears whole or not at all.

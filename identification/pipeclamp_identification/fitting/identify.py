@@ -22,7 +22,7 @@ from pipeclamp_identification.fitting.surfaces import elastic_values, surface_va
 from pipeclamp_identification.loops.loops import PRELOADED, Loops, by_stretch, loops_of
 from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.errors import UsageError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.law.file import (
     SCHEMA,
@@ -76,7 +76,7 @@ def identify(
     structure: Structure = BASE_LAW,
     *,
     method: Method = "joint",
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Identification:
     """Identify a law from all runs of a campaign.
 
@@ -90,19 +90,18 @@ def identify(
     Raises:
         UserError: an unknown base or effect, data that can't determine the law, or no temperature where it's needed.
     """
-    tell = progress or (lambda _: None)
-    tell(f"loops of {len(campaign.runs)} runs")
+    progress(f"loops of {len(campaign.runs)} runs")
     loops = loops_of(campaign)
     observations = loop_observations(loops)
     if structure.base == "series":
         # Its highest orders stand with the mathematics of its terms, which other bases do without.
         from pipeclamp_identification.fitting.series_orders import choose_series
 
-        tell("orders of the series")
+        progress("orders of the series")
         structure = replace(choose_series(loops, observations, replace(structure, frozen=())), frozen=structure.frozen)
     refuse_unknown(structure)
-    result = fit_structure(structure, loops, observations, method=method, progress=tell)
-    tell("error on every sample")
+    result = fit_structure(structure, loops, observations, method=method, progress=progress)
+    progress("error on every sample")
     return Identification(result, loops, observations, misfits(result.law, campaign, loops), method)
 
 
@@ -122,7 +121,7 @@ def fit_structure(
     start: Mapping[str, float] | None = None,
     method: Method = "joint",
     tolerance: float = FIT_TOLERANCE,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Fit:
     """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
 
@@ -144,21 +143,20 @@ def fit_structure(
                 "expected base power or memory without effects (the joint method fits the others)"
             )
         return unfitted(structure, observations, from_surfaces)
-    tell = progress or (lambda _: None)
-    tell(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
+    progress(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
     # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
     fair = elastic_values(from_surfaces) if equations.states else from_surfaces
     begin = {**fair, **(start or {})}
     if has_groups(loops) and set(equations.names) <= set(begin):
         as_begun = unfitted(structure, observations, begin).law_force
-        beside = _fit_beside_groups(structure, loops, observations, as_begun, begin, tell, tolerance)
+        beside = _fit_beside_groups(structure, loops, observations, as_begun, begin, progress, tolerance)
         if beside is not None:
             return beside
     rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
     if has_groups(loops):
         found_near = unfitted(structure, observations, first.law.values) if equations.states else first
-        beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, tell, tolerance)
+        beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, progress, tolerance)
         if beside is not None:
             return beside
     if equations.states:

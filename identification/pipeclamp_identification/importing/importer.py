@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,6 +38,7 @@ from pipeclamp_identification.importing.unusable import (
 )
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.said import counted
 
 STEADY_TEMPERATURE = 5.0
@@ -63,7 +64,7 @@ def plan_import(
     known: Mapping[str, str] | None = None,
     left_out: Sequence[LeftOutFile] = (),
     taken: Sequence[str] = (),
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = silent,
 ) -> ImportPlan:
     """Plan what files become; their runs' records are written, and none is held.
 

@@ -47,6 +47,7 @@ from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.tables import pl
 
 OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
@@ -459,7 +460,7 @@ def _outcome(number: int, path: Path, way: Way, over: Over = map) -> Outcome:
 
 
 def taken_files(
-    paths: Sequence[Path], way: Way, ask: Ask | None, progress: Callable[[str], None] | None
+    paths: Sequence[Path], way: Way, ask: Ask | None, progress: Progress
 ) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
     """Take files, in their order. What is answered of one holds for all that come after it.
 
@@ -474,8 +475,7 @@ def taken_files(
     begun = way
     units: dict[str, str] = {}
     for number, path in enumerate(paths):
-        if progress:
-            progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
+        progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
         if number == 1 and not large:
             # what was answered of the first file is known to the others
             begun = way

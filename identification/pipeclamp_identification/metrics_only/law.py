@@ -12,7 +12,7 @@ from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metri
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import OF_METRICS, FitQuality, LawFile, Provenance, RunQuality, law_of
 from pipeclamp_models.law.law import BASE_LAW, Structure, find_base
 from pipeclamp_models.law.range import intervals_of, outside_range, rounded
@@ -20,9 +20,7 @@ from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import refuse_unknown_conditions
 
 
-def identify_metrics(
-    campaign: MetricCampaign, structure: Structure = BASE_LAW, *, progress: Progress | None = None
-) -> Fit:
+def identify_metrics(campaign: MetricCampaign, structure: Structure = BASE_LAW, *, progress: Progress = silent) -> Fit:
     """Identify a law from the metrics of all runs.
 
     Args:

@@ -5,7 +5,7 @@ A diagnosis, and what only it needs, is imported where it is asked for: fits and
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -136,7 +136,7 @@ class MetricTests:
         self,
         file: LawFile,
         *,
-        declared: Iterable[Declaration] = (),
+        declared: Collection[Declaration] = (),
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,

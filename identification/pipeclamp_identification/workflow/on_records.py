@@ -5,7 +5,7 @@ What one of these alone needs (comparison, diagnosis, metrics) is imported where
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -208,7 +208,7 @@ class RecordTests:
         self,
         file: LawFile,
         *,
-        declared: Iterable[Declaration] = (),
+        declared: Collection[Declaration] = (),
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -189,7 +189,7 @@ class Tests(Protocol):
         self,
         file: LawFile,
         *,
-        declared: Iterable[Declaration] = (),
+        declared: Collection[Declaration] = (),
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +32,7 @@ from pipeclamp_identification.importing.writing import (
 )
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
+from pipeclamp_models.base.progress import Progress
 
 MANY = 100
 """Runs from which on records that were there already are read by several processes."""
@@ -76,7 +76,7 @@ def import_records(request: ImportRequest) -> ImportedRecords:
 
 
 def _found(
-    work: Path, folder: Path, plan: ImportPlan, imported: Imported, tell: Callable[[str], None], *, written: bool
+    work: Path, folder: Path, plan: ImportPlan, imported: Imported, tell: Progress, *, written: bool
 ) -> ImportedRecords:
     """Judge a campaign as any reader does, by what is known of its new records, and by reading the others.
 

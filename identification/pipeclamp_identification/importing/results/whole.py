@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -33,6 +33,7 @@ from pipeclamp_identification.importing.writing import (
     write_description,
 )
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
 
 
 def import_results(request: ImportRequest) -> ImportedResults:
@@ -77,7 +78,7 @@ class _Taken:
     told: tuple[str, ...]
 
 
-def _taken(files: Sequence[Path], options: Options, existing: Existing | None, tell: Callable[[str], None]) -> _Taken:
+def _taken(files: Sequence[Path], options: Options, existing: Existing | None, tell: Progress) -> _Taken:
     """Take files of results.
 
     Raises:
