@@ -164,7 +164,7 @@ def _place_words(shape: Array, phase: Array) -> str:
         if towards > 90 - END_DEG
         else "between end and middle"
     )
-    return f"along the loop it is largest {place} ({branch}, {angle:.0f} deg after the largest displacement)"
+    return f"along the loop it is largest {place} ({branch}, {angle:.0f}° after the largest displacement)"
 
 
 def _condition_words(residual: Array, problem: Problem) -> list[str]:

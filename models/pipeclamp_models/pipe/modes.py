@@ -138,7 +138,7 @@ class ReducedPipe:
         first = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:6])
         more = ", ..." if self.kept > 6 else ""
         lines = [
-            f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m2",
+            f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m²",
             f"{self.kept} modes kept for {self.up_to_Hz:g} Hz: {first}{more} Hz; "
             f"{len(self.omega) - self.kept} residual modes",
             f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
