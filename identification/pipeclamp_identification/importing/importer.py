@@ -36,6 +36,7 @@ from pipeclamp_identification.importing.unusable import (
     foremost,
     listed_why,
 )
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -411,7 +412,7 @@ def _names(own: str, stem: str, single: bool) -> Iterator[str]:
 
 def _digits(value: float) -> float:
     """Give a measured setting with the digits that it has."""
-    return float(f"{value:.4g}")
+    return rounded_to(value, 4)
 
 
 def _in_its_unit(mapped: Mapped, column: str, value: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.loops.published_rows import KELVINS, PublishedRow, matching_row
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
 
 # settings of a test plan that are meant to be the same lie this close together, those that aren't lie further apart
@@ -152,5 +153,5 @@ def levels_of(quantity: str, values: Array) -> Array:
     member = level[places]
     for k in range(level[-1] + 1):
         known = np.flatnonzero(np.isfinite(values))[member == k]
-        result[known] = float(f"{np.mean(values[known]):.4g}")
+        result[known] = rounded_to(np.mean(values[known]), 4)
     return result

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS, unit_shown
 
@@ -218,7 +219,7 @@ def _spelled(text: str) -> str:
 
 def _rounded(value: float) -> float:
     """Give a factor without the digits that its way through differences made."""
-    return float(f"{value:.13g}")
+    return rounded_to(value, 13)
 
 
 @cache
