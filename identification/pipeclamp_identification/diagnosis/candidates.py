@@ -51,7 +51,20 @@ def candidates(
     jobs: int,
     tell: Progress,
 ) -> tuple[list[Judged], dict[str, float]]:
-    """Fit the effects that promise something; best first, and what was screened out with its share of the best's."""
+    """Fit the effects that promise something.
+
+    Args:
+        structure: the law's structure.
+        problem: the data.
+        law: the law as it is.
+        promises: of each effect, most promising first.
+        jobs: processes; -1 for as many as there are cores.
+        tell: is told what is being done.
+
+    Returns:
+        the law with each of them, best first; and effects that were screened out, each with its share of the largest
+        promise.
+    """
     top = promises[0].gain if promises else 0.0
     ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
     worth = max(WORTH_FITTING_SHARE * top, 1e-300)
@@ -124,7 +137,14 @@ def _best_by(judged: Sequence[Judged], what: Callable[[Judged], float]) -> list[
 
 
 def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Progress) -> Judged:
-    """Give a law with added effects' members as large as the data ask for: larger while each does clearly better."""
+    """Give a law with added effects' members as large as the data ask for: larger while each does clearly better.
+
+    Args:
+        judged: the law with the effects.
+        structure: the law without them.
+        problem: the data.
+        tell: is told what is being done.
+    """
     for place in range(len(judged.effects)):
         while (larger := _with_larger(judged, place, structure, problem, tell)) is not None:
             judged = larger

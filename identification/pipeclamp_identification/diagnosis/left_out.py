@@ -38,7 +38,13 @@ class Whitened:
 
 
 def whitened(result: Fit, observations: WhitenedObservations, factors: Array | None = None) -> Whitened:
-    """Give the whitened residuals of a fit at its solution; with factors of groups as given, or the likeliest ones."""
+    """Give the whitened residuals of a fit at its solution.
+
+    Args:
+        result: the fit, with P fitted parameters.
+        observations: R rows of m harmonic parts.
+        factors: of groups, shape (K,); the likeliest ones where None.
+    """
     slopes = observations.in_units(observations.loops.plain_slopes(result.law_force, result.places))
     residual = observations.against_noise(result.law_force)
     if factors is None:

@@ -191,7 +191,7 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
     Args:
         campaign: the tests.
         misfits: the law's error on each sample.
-        candidates: where to look, Hz.
+        candidates: where to look, Hz, shape (n,), rising.
 
     Returns:
         candidates whose power, over the local median and averaged over runs, is beyond what noise would make.

@@ -237,7 +237,7 @@ class WhitenedObservations:
         return True
 
     def rows(self, chosen: IntArray) -> WhitenedObservations:
-        """Give the observations of some of the loops."""
+        """Give the observations of some of the loops, by their places, shape (n,)."""
         factors = None if self.factors is None else self.factors.rows(chosen)
         return WhitenedObservations(self.loops.rows(chosen), self.whitener[chosen], factors)
 

@@ -152,7 +152,18 @@ def screened(
     tell: Progress,
     ids: Collection[str] | None = None,
 ) -> list[Promise]:
-    """Screen every effect, or those of some ids, by one step; most promising first."""
+    """Screen every effect by one step; most promising first.
+
+    Args:
+        structure: the law's structure.
+        problem: the data.
+        law: the law as it is.
+        tell: is told what is being done.
+        ids: effects that are screened; all where None.
+
+    Raises:
+        UserError: a declared effect can't be tried.
+    """
     promises = []
     loops = problem.loops
     names = candidate_names(structure, loops.conditions, time_measured=loops.time_measured)

@@ -464,6 +464,12 @@ def taken_files(
 ) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
     """Take files, in their order. What is answered of one holds for all that come after it.
 
+    Args:
+        paths: of the files.
+        way: how they are taken.
+        ask: for what names and units leave open; None where nobody can answer.
+        progress: hears which file is being taken.
+
     Raises:
         UserError: what is stated of one doesn't serve.
     """

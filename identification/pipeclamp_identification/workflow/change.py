@@ -174,7 +174,12 @@ def as_well_without(change: LawChange, keep: str) -> str:
 def exchange(
     file: LawFile, structure: Structure, tests: Tests, *, provenance: Provenance, progress: Progress = silent
 ) -> LawChange:
-    """Put another structure, with one thing exchanged, in a law's place and refit everything; see `add_effect`.
+    """Put another structure, with one thing exchanged, in a law's place and refit everything.
+
+    Args:
+        file: the law.
+        structure: what takes its place.
+        tests, provenance, progress: as for `add_effect`.
 
     Raises:
         UserError: the data can't serve it.

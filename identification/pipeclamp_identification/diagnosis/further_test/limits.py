@@ -216,7 +216,15 @@ def drivable_grid(
 
 
 def stated_levels(values: Array, low: float, high: float) -> Array:
-    """Give levels between two ends, as they are said, to three digits; levels beyond an end move to it."""
+    """Give levels between two ends, as they are said, to three digits; levels beyond an end move to it.
+
+    Args:
+        values: levels, shape (n,), in the unit of the ends.
+        low, high: the ends.
+
+    Returns:
+        levels in rising order, each once; empty where the ends leave nothing between them.
+    """
     # a hair wider, so that an end which is three digits long stays what it is
     if low > high * (1 + 1e-9):
         return np.empty(0)

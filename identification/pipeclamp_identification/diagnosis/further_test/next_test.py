@@ -147,8 +147,8 @@ class _TestSearch:
 
         Args:
             limits: what the rig can do.
-            levels: peak displacement mm, highest frequency Hz or temperature degC that are to be looked at, instead of
-                some between the limits.
+            levels: peak displacement mm, highest frequency Hz or temperature °C that are to be looked at, shape (n,)
+                each, instead of some between the limits.
         """
         found = []
         for name, profile in PROFILES.items():

@@ -132,7 +132,7 @@ def piece_bounds(
 
 
 def turns_of(y: Array) -> IntArray:
-    """Give the turning points of a motion, noise aside."""
+    """Give the turning points of a motion, noise aside: places in it, both ends among them; displacement (n,) in mm."""
     if len(y) < 5:
         return np.array([0, max(len(y) - 1, 0)], dtype=np.intp)
     least = max(NOISE * sample_noise(y), SHARE * float(np.ptp(y)))
@@ -162,7 +162,11 @@ def unsteady(y: Array, steady: slice, cycles: int) -> str:
 
 
 def irregular(y: Array) -> str:
-    """Say that half cycles of a run follow each other without order, as where noise drives it; "" where they don't."""
+    """Say that half cycles of a run follow each other without order, as where noise drives it; "" where they don't.
+
+    Args:
+        y: displacement in mm, shape (n,).
+    """
     ranges = np.abs(np.diff(y[turns_of(y)]))
     ranges = ranges[ranges > 0]
     if len(ranges) < FEWEST_TURNS or np.median(np.abs(np.diff(np.log(ranges)))) < WITHOUT_ORDER:
