@@ -198,7 +198,7 @@ def excess_table(sums: Sequence[RunSums]) -> tuple[Array, Array]:
 
 def along_loop(sums: Sequence[RunSums]) -> Breakdown:
     """Break the error down by phase, in PHASE_BINS equal parts of the cycle."""
-    labels = ["{:g} to {:g}°".format(*phase_edges(index)) for index in range(PHASE_BINS)]
+    labels = ["{:g} to {:g} deg".format(*phase_edges(index)) for index in range(PHASE_BINS)]
     return Breakdown("phase", _phase_parts(sums, labels, list(range(PHASE_BINS))))
 
 
