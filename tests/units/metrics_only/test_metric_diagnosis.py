@@ -55,7 +55,7 @@ def test_scatter_alone_is_complete():
     likeliest = diagnosis.candidates[0]
     _, hint, _ = diagnosis.reasons
     assert hint.startswith(f"no effect gains more than scatter does; of the likeliest, {likeliest.name}, scatter alone")
-    assert " 100 % " not in hint
+    assert " 100% " not in hint
     assert diagnosis.explained(likeliest) == 0.0  # nothing is missing of which it could explain a share
 
 
