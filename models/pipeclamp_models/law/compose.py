@@ -135,7 +135,7 @@ def scaled_by(effect: Effect, coefficients: Sequence[Coefficient]) -> list[tuple
         (index, factor)
         for target, factor in effect.scales.items()
         for index, entry in enumerate(coefficients)
-        if target in (str(entry.symbol), entry.role)
+        if entry.is_scaled_by(target)
     ]
 
 

@@ -1,4 +1,4 @@
-"""Forces at rest before the tests: a constant force shows there, friction that differs between the directions doesn't."""
+"""Forces at rest before the tests: a constant force shows there, slip that differs between the directions doesn't."""
 
 from __future__ import annotations
 
