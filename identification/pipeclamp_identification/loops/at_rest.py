@@ -17,6 +17,8 @@ from pipeclamp_models.base.arrays import Array
 
 NEAR = 0.01
 """Of the amplitude: a record that stays within that of where it begins rests."""
+IN_THE_MIDDLE = 0.1
+"""Of the amplitude, too: farther from the loop's middle a spring has a force of its own."""
 SHORTEST = 0.05
 """Of a period: a sine that is recorded from a turning point on stays so near for less than half as long."""
 FEWEST_SAMPLES = 5
@@ -26,7 +28,7 @@ DENIED_BY_CHANCE = 1e-3
 
 
 def force_at_rest(record: Record, cycles: Cycles) -> float:
-    """Give the mean force in N before the motion of a record begins; nan where it doesn't begin at rest.
+    """Give the mean force in N before the motion of a record begins; nan where it doesn't rest in the loop's middle.
 
     Args:
         record: of a run.
@@ -36,8 +38,12 @@ def force_at_rest(record: Record, cycles: Cycles) -> float:
     before = y[: int(cycles.bounds[0])]
     if len(before) < FEWEST_SAMPLES:
         return math.nan
-    amplitude = float(np.ptp(y[cycles.steady])) / 2
-    moved = np.abs(before - np.median(before[:FEWEST_SAMPLES])) > NEAR * amplitude
+    low, high = float(np.min(y[cycles.steady])), float(np.max(y[cycles.steady]))
+    middle, amplitude = (low + high) / 2, (high - low) / 2
+    begins = float(np.median(before[:FEWEST_SAMPLES]))
+    if abs(begins - middle) > IN_THE_MIDDLE * amplitude:
+        return math.nan
+    moved = np.abs(before - begins) > NEAR * amplitude
     samples = int(np.argmax(moved)) if moved.any() else len(before)
     if samples < FEWEST_SAMPLES:
         return math.nan

@@ -14,13 +14,24 @@ FREQUENCIES = (0.5, 1.0)
 
 
 def simulated(
-    amplitude: float, frequency: float, *, up: float, down: float, constant: float, held: float = 0.0, rest: float = 0.5
+    amplitude: float,
+    frequency: float,
+    *,
+    up: float,
+    down: float,
+    constant: float,
+    held: float = 0.0,
+    rest: float = 0.5,
+    middle: float = 0.0,
 ) -> Record:
-    """Simulate a spring with an element that slips and holds a force, some periods at rest, then growing sines."""
+    """Simulate a spring with an element that slips and holds a force: some periods at rest, then growing sines.
+
+    They grow about another place than that of the rest, in amplitudes, if asked.
+    """
     time = np.arange(0.0, (rest + 8.0) / frequency, 0.002 / frequency)
     since = time * frequency - rest
     grown = np.clip(since / 2, 0.0, 1.0) if rest else 1.0
-    y = amplitude * grown * np.sin(2 * np.pi * np.maximum(since, 0.0))
+    y = amplitude * grown * (middle + np.sin(2 * np.pi * np.maximum(since, 0.0)))
     force = np.empty(len(y))
     for sample, step in enumerate(np.diff(y, prepend=0.0)):
         held = min(max(held + 800.0 * step, -down), up)
@@ -50,10 +61,11 @@ def test_rest_tells_a_constant_force_from_slip_that_differs(device):
         assert loops.deny_constant_force is by_stretch(loops).deny_constant_force is denied
 
 
-def test_what_begins_in_motion_or_is_held_by_friction_denies_nothing(device):
-    moving = loops_of(device(**SLIPS_MORE_ONE_WAY, rest=0.0))
-    assert np.isnan(moving.force_at_rest_N).all()
-    assert not moving.deny_constant_force
+def test_what_begins_in_motion_elsewhere_or_is_held_by_friction_denies_nothing(device):
+    for begun in ({"rest": 0.0}, {"middle": -0.3}):
+        unknown = loops_of(device(**SLIPS_MORE_ONE_WAY, **begun))
+        assert np.isnan(unknown.force_at_rest_N).all()
+        assert not unknown.deny_constant_force
     assert not loops_of(device(**PRELOADED, held=140.0)).deny_constant_force
 
 
