@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy import stats
 
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.records import Record
@@ -64,8 +63,11 @@ def deny_constant_force(rest: Array, mean: Array, error: Array) -> bool:
     """
     known = np.isfinite(rest) & np.isfinite(error)
     runs = int(np.count_nonzero(known))
-    if runs == 0:
-        return False
     about_nought = float(np.sum(rest[known] ** 2 + error[known] ** 2))
     about_means = float(np.sum((rest[known] - mean[known]) ** 2))
-    return bool(about_means > about_nought * stats.f.isf(DENIED_BY_CHANCE, runs, runs))
+    if about_means <= about_nought:  # as where no run begins at rest; commands that need none don't load SciPy
+        return False
+    from scipy.special import fdtrc
+
+    ratio = about_means / about_nought if about_nought else math.inf
+    return bool(fdtrc(runs, runs, ratio) < DENIED_BY_CHANCE)
