@@ -378,7 +378,7 @@ def _change(
     reproducible: bool,
 ) -> None:
     """Change a law step by step, refit it, write it, and print what that did."""
-    from pipeclamp.show.law import change_table, vain_words
+    from pipeclamp.show.law import change_table, not_fitted, vain_words
     from pipeclamp_identification.workflow.next_command import after_change, after_vain_addition
     from pipeclamp_models.law.file import Provenance, law_text
 
@@ -392,6 +392,8 @@ def _change(
     write_whole(output, law_text(changed))
     for step in steps:
         print_table(change_table(step))
+        for words in not_fitted(step):
+            put(words)
     _print_fit(changed, output)
     if title == "add" and (words := vain_words(changed.history, len(steps))):
         put(words)

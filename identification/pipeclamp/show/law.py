@@ -170,6 +170,15 @@ def change_table(change: LawChange) -> Table:
     return Table(("", "before", str(change.step)), rows, f"What {change.step} did{said}")
 
 
+def not_fitted(change: LawChange) -> list[str]:
+    """Say which parameters came with a change and aren't fitted, and why."""
+    held: dict[str, list[str]] = {}
+    for name, entry in change.after.coefficients.items():
+        if name not in change.before.coefficients and entry.state == "frozen":
+            held.setdefault(entry.reason, []).append(name)
+    return [f"Not fitted: {', '.join(names)} ({reason})." for reason, names in held.items()]
+
+
 def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
     """Say that what was added last doesn't help, and which law to keep; empty where it does, or nothing was added.
 

@@ -236,6 +236,11 @@ class WhitenedObservations:
         """As harmonics are."""
         return True
 
+    @property
+    def deny_constant_force(self) -> bool:
+        """Whether forces at rest before the tests do."""
+        return self.loops.deny_constant_force
+
     def rows(self, chosen: IntArray) -> WhitenedObservations:
         """Give the observations of some of the loops, by their places, shape (n,)."""
         factors = None if self.factors is None else self.factors.rows(chosen)

@@ -219,6 +219,11 @@ class PooledObservations:
         """As harmonics are."""
         return True
 
+    @property
+    def deny_constant_force(self) -> bool:
+        """Whether forces at rest before the tests do."""
+        return self.loops.deny_constant_force
+
     def residual(self, law_force: LawForce) -> Array:
         """Give measured less law, in units in which noise and factors together are independent."""
         return self._poolings.beside(law_force).without(self.loops.residual(law_force))

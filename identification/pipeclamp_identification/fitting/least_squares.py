@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 FIT_TOLERANCE = 1e-10
 HELD = "held by the law's structure"
 WISHED = "held by wish"
+DENIED = "at rest before the tests there is no such force"
 MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
@@ -178,11 +179,17 @@ class _Evaluator:
 
 
 def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
-    """Give the parameters that nothing uses, or whose condition does not vary in the data, with the reason."""
+    """Give the parameters that the data can't determine, with the reason.
+
+    Nothing uses them, their condition doesn't vary, or they make a constant force, which forces at rest deny.
+    """
     reasons: dict[str, str] = {}
     for parameter in equations.parameters:
         if not parameter.used:
             reasons[parameter.name] = "the law has nothing that it scales"
+            continue
+        if parameter.at_rest and observations.deny_constant_force:
+            reasons[parameter.name] = DENIED
             continue
         for signal in parameter.follows:
             values = observations.motion.slow.get(signal)

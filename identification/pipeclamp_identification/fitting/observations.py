@@ -48,6 +48,10 @@ class Observations(Protocol):
     def are_linear(self) -> bool:
         """Whether the residuals are linear in the law's force."""
 
+    @property
+    def deny_constant_force(self) -> bool:
+        """Whether forces at rest before the tests deny one: a law that has one then is another law."""
+
     def residual(self, law_force: LawForce) -> Array:
         """Give the weighted residuals, measured less law, shape (R, m), for the law's force on the motion."""
 
@@ -118,6 +122,7 @@ class LoopObservations:
         force_amplitude: N, shape (R,).
         transforms: how each record's sampling turns force into harmonics, shape (R, n, 2 H + 1); None where it is
             fine enough for that not to matter.
+        deny_constant_force: whether forces at rest before the tests do.
     """
 
     motion: Motion
@@ -125,6 +130,7 @@ class LoopObservations:
     standard_error: Array
     force_amplitude: Array
     transforms: Array | None = None
+    deny_constant_force: bool = False
 
     @property
     def are_linear(self) -> bool:
@@ -185,12 +191,13 @@ class LoopObservations:
 
     def rows(self, chosen: IntArray) -> LoopObservations:
         """Give the observations of some of the loops."""
-        return LoopObservations(
-            self.motion.rows(chosen),
-            self.harmonics[chosen],
-            self.standard_error[chosen],
-            self.force_amplitude[chosen],
-            None if self.transforms is None else self.transforms[chosen],
+        return replace(
+            self,
+            motion=self.motion.rows(chosen),
+            harmonics=self.harmonics[chosen],
+            standard_error=self.standard_error[chosen],
+            force_amplitude=self.force_amplitude[chosen],
+            transforms=None if self.transforms is None else self.transforms[chosen],
         )
 
     def mean_squares(self, law_force: LawForce, explained: Array | float = 0.0) -> Array:
@@ -271,7 +278,9 @@ def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObs
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES_PER_CYCLE), axis=1) / 2
-    return LoopObservations(loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples))
+    return LoopObservations(
+        loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples), loops.deny_constant_force
+    )
 
 
 def points_enough(loops: Loops) -> int:

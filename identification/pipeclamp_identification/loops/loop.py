@@ -15,6 +15,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Run
 from pipeclamp_identification.campaign.smoothing import gain
+from pipeclamp_identification.loops.at_rest import force_at_rest
 from pipeclamp_identification.loops.scatter import (
     displacement_noise,
     drifting_force,
@@ -67,6 +68,8 @@ class Loop:
     """(PHASE_BINS,) share of its power that lies in each part of the cycle, from the largest displacement on."""
     force_rms_N: float
     """Rms of the force over the steady samples."""
+    force_at_rest_N: float
+    """Mean force before the record's motion begins; nan where that isn't known."""
     samples: float
     """Number of steady samples; a cycle's share of its run's may be a fraction."""
     cycles: Array
@@ -175,6 +178,7 @@ def loop_of(
         scatter_rms_N=scatter,
         scatter_by_phase=spread,
         force_rms_N=force_rms,
+        force_at_rest_N=force_at_rest(run.record, cycles),
         samples=float(len(own.phase)),
         cycles=np.asarray(run.setup.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64),
         displacement_per_cycle=_padded(own.fitted[0], harmonics),

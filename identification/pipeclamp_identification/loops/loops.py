@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.drive import Kinematics
 from pipeclamp_identification.campaign.reading import Campaign, Run
+from pipeclamp_identification.loops.at_rest import deny_constant_force
 from pipeclamp_identification.loops.loop import Loop, loop_of
 from pipeclamp_identification.loops.scatter import DRIFT_AMONG_DRIFTS_BY_CHANCE, DRIFT_BY_CHANCE, drift_alike
 from pipeclamp_identification.signals.reversals import Bridged
@@ -79,6 +80,7 @@ class Loops:
     scatter_by_phase = _Stacked[np.float64]()
     """(R, PHASE_BINS)."""
     force_rms_N = _Stacked[np.float64]()
+    force_at_rest_N = _Stacked[np.float64]()
     samples = _Stacked[np.float64]()
     cycles = _Listed[Array]()
     displacement_per_cycle = _Listed[ComplexArray]()
@@ -104,6 +106,14 @@ class Loops:
         """Return the share of the squared force, over all samples, that the rows' mean forces hold: a preload."""
         means = np.sum(self.samples * self.force[:, 0].real ** 2)
         return float(means / np.sum(self.samples * self.force_rms_N**2))
+
+    @cached_property
+    def deny_constant_force(self) -> bool:
+        """Return whether the forces at rest before the tests deny that a part of the mean forces is constant."""
+        _, first = np.unique(self.run, return_index=True)
+        return deny_constant_force(
+            self.force_at_rest_N[first], self.force[first, 0].real, self.force_standard_error[first, 0]
+        )
 
 
 def loops_of(campaign: Campaign) -> Loops:

@@ -38,6 +38,11 @@ class MetricObservations:
         """Logs of energies aren't."""
         return False
 
+    @property
+    def deny_constant_force(self) -> bool:
+        """Nothing is known of forces at rest."""
+        return False
+
     def rows(self, chosen: IntArray) -> Self:
         """Give the observations of some of the loops."""
         return replace(

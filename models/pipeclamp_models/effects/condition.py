@@ -1,4 +1,7 @@
-"""A further test condition u: stiffness, damping and slip force times exp(p u + q u^2), each its own; and a force."""
+"""A further test condition u: stiffness, damping and slip force times exp(p u + q u^2), each its own; and a force.
+
+Where slip forces differ between the directions, that on the way down has a factor exp(p u) besides.
+"""
 
 import re
 
@@ -50,8 +53,20 @@ def follow(argument: str) -> Effect:
             ),
         ]
         scales[role] = sp.exp(slope * u + bend * u**2)
-    mean = sp.Symbol(f"F_{u}1", real=True)
-    parameters.append(
+    apart, mean = sp.symbols(f"zn_{u}1 F_{u}1", real=True)
+    scales["slip down"] = sp.exp(apart * u)
+    parameters += [
+        Parameter(
+            apart,
+            f"1/[{argument}]",
+            "slope of the log of the slip force on the way down over that on the way up",
+            0.0,
+            -MOST / size,
+            MOST / size,
+            neutral=0.0,
+            follows=(u,),
+            typical=0.2 / size,
+        ),
         Parameter(
             mean,
             f"N/[{argument}]",
@@ -62,8 +77,8 @@ def follow(argument: str) -> Effect:
             neutral=0.0,
             follows=(u,),
             typical=0.05 * F_typical / size,
-        )
-    )
+        ),
+    ]
     return Effect(
         id="condition",
         part="clamp",

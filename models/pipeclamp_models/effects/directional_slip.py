@@ -34,7 +34,7 @@ EFFECT = Effect(
             typical=0.5 * slips[1],
         ),
     ),
-    coefficients=(Coefficient(up, "N", "slip", z_p), Coefficient(down, "N", "slip", z_n)),
+    coefficients=(Coefficient(up, "N", "slip", z_p), Coefficient(down, "N", "slip", z_n, down=True)),
     force=z_d,
     states=(
         State(

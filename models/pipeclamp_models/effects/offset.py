@@ -15,7 +15,7 @@ EFFECT = Effect(
     source=f"{DOEBELIN}, on zero drift",
     looks_like="a mean force, the same in every run",
     imitated_by=("asymmetry", "directional_slip"),
-    told_apart_by="the rig run without a specimen: the offset stays",
+    told_apart_by="the rig run without a specimen, or the rest before a test: the offset stays",
     parameters=(Parameter(F_o, "N", "constant force", 0.0, neutral=0.0, typical=0.02 * F_typical),),
     force=F_o,
 )

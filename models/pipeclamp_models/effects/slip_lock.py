@@ -63,7 +63,7 @@ EFFECT = Effect(
         ),
         Parameter(n_l, "-", "exponent by which it is taken up", (1.5,) * 4, lower=1.0, upper=5.0, neutral=1.0),
     ),
-    coefficients=(Coefficient(up, "N", "slip", z_up), Coefficient(down, "N", "slip", z_down)),
+    coefficients=(Coefficient(up, "N", "slip", z_up), Coefficient(down, "N", "slip", z_down, down=True)),
     force=mean * (power(taken[0], n_l) - power(taken[1], n_l)),
     stages=(
         Stage(most, "mm", "displacement at which it slips on the way up", limit(up)),

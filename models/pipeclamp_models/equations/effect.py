@@ -79,12 +79,20 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A named factor of a force that depends on slow signals; modifiers scale it by name or role."""
+    """A named factor of a force that depends on slow signals; modifiers scale it by name or role.
+
+    Of slip forces that differ between the directions, those on the way down are scaled by the role "slip down", too.
+    """
 
     symbol: sp.Symbol
     unit: str
     role: Role | None
     expression: sp.Expr
+    down: bool = False
+
+    def is_scaled_by(self, target: str) -> bool:
+        """Tell whether a modifier that scales a name or role scales it."""
+        return target in (str(self.symbol), self.role) or (self.down and target == f"{self.role} down")
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,14 @@ class Composed:
         return (*(stage.expression for stage in self.stages), *(state.update for state in self.states))
 
     @cached_property
+    def at_rest(self) -> sp.Expr:
+        """The force at rest at y = 0 with an unloaded memory, N, in slow signals and parameters."""
+        still = dict.fromkeys(FAST_SYMBOLS, sp.S.Zero)
+        unloaded = {state.symbol: sp.sympify(state.start) for state in self.states}
+        slow = {coefficient.symbol: coefficient.expression for coefficient in self.coefficients}
+        return self.force.xreplace({**still, **unloaded}).xreplace(slow)
+
+    @cached_property
     def used_symbols(self) -> frozenset[sp.Symbol]:
         """All symbols that the force depends on: a modifier may have a parameter with nothing to scale."""
         expressions = [coefficient.expression for coefficient in self.coefficients]
@@ -127,7 +135,7 @@ def scaled_by(effect: Effect, coefficients: Sequence[Coefficient]) -> list[tuple
         (index, factor)
         for target, factor in effect.scales.items()
         for index, entry in enumerate(coefficients)
-        if target in (str(entry.symbol), entry.role)
+        if entry.is_scaled_by(target)
     ]
 
 

@@ -49,6 +49,7 @@ class ParameterOutline:
         spread: standard deviation of its prior about `neutral`, None where there is none.
         follows: names of the slow signals that must vary in the data for it to be determined.
         used: whether anything in the law depends on it.
+        at_rest: whether it makes a force at rest at y = 0, the memory unloaded.
     """
 
     name: str
@@ -63,6 +64,7 @@ class ParameterOutline:
     follows: tuple[str, ...]
     levels: int
     used: bool
+    at_rest: bool
 
 
 @dataclass(frozen=True)
@@ -127,9 +129,7 @@ def outline_of(composed: Composed) -> Outline:
     return Outline(
         effects=tuple(effect.name for effect in composed.effects),
         parameters=tuple(
-            _parameter(
-                parameter, effect.name, factors.get(parameter.symbol, ()), parameter.symbol in composed.used_symbols
-            )
+            _parameter(parameter, effect.name, factors.get(parameter.symbol, ()), composed)
             for effect in composed.effects
             for parameter in effect.parameters
         ),
@@ -141,7 +141,7 @@ def outline_of(composed: Composed) -> Outline:
     )
 
 
-def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], used: bool) -> ParameterOutline:
+def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], composed: Composed) -> ParameterOutline:
     starts = (*parameter.starts, *(factor * start for factor in factors for start in parameter.starts))
     lower, upper = parameter.lower, parameter.upper
     if factors:
@@ -160,7 +160,8 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], us
         neutral=parameter.neutral,
         follows=tuple(map(str, parameter.follows)),
         levels=parameter.levels,
-        used=used,
+        used=parameter.symbol in composed.used_symbols,
+        at_rest=parameter.symbol in composed.at_rest.free_symbols,
     )
 
 

@@ -9,7 +9,7 @@ import sympy as sp
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.catalogue import entries, find_effect
-from pipeclamp_models.law.law import BASES, Law, Structure, find_base, smoothing
+from pipeclamp_models.law.law import BASES, Law, Structure, bare_for, find_base, smoothing, with_effect
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
@@ -191,3 +191,22 @@ def test_memory_that_does_not_settle_is_marked(monkeypatch):
     assert not force_of_law(law, motion).unsettled.any()
     monkeypatch.setattr("pipeclamp_models.realise.states.SETTLED_SHARE", -1.0)  # no change is small enough
     assert force_of_law(law, motion).unsettled.all()
+
+
+def test_a_condition_changes_slip_on_the_way_down_by_a_factor_of_its_own():
+    law = Structure("power", ("directional_slip", "condition:x")).equations.composed
+    own = {str(each.symbol): each.expression.free_symbols for each in law.coefficients}
+    apart, both = sp.symbols("zn_u_x1 z_u_x1", real=True)
+    assert {apart, both} & own["slip_n"] == {apart, both}
+    assert {apart, both} & own["slip_p"] == {both}
+    alike = Structure("power", ("memory", "condition:x")).equations.parameters
+    assert not next(each for each in alike if each.name == "zn_u_x1").used
+
+
+@pytest.mark.parametrize("name", sorted(entries()))
+def test_only_a_constant_force_is_there_at_rest(name):
+    effect = find_effect("condition:x" if name == "condition" else name)
+    bare = bare_for(effect)
+    law = bare if effect.name in {one.name for one in bare.all_effects()} else with_effect(bare, effect.name)
+    at_rest = {each.name for each in law.equations.parameters if each.at_rest}
+    assert at_rest == {"offset": {"F_o"}, "condition": {"F_u_x1"}}.get(name, set())
