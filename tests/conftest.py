@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record, check_samples
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_models.law.law import Structure
@@ -47,13 +48,12 @@ def _run(record: Record, name: str = "run", **conditions: object) -> Run:
     check_samples(record)
     cycles = find_cycles(record)
     check_clipping(record, cycles)
-    unknown = dict.fromkeys(("specimen", "amplitude_mm", "frequency_Hz", "temperature_C", "density_g_cm3"))
-    known = {"first_cycle": 0.0, "conditions": {}} | unknown | conditions
-    return Run(name=name, record=record, cycles=cycles, **known)
+    motion = {column: conditions.pop(column, None) for column in ("amplitude_mm", "frequency_Hz")}
+    return Run(name=name, setup=Setup(**conditions), record=record, cycles=cycles, **motion)
 
 
 def _campaign(*runs: Run) -> Campaign:
-    return Campaign("test", "", "sha256:none", runs, (), tuple(runs[0].conditions))
+    return Campaign("test", "", "sha256:none", runs, (), tuple(runs[0].setup.conditions))
 
 
 def _csv(record: Record) -> str:

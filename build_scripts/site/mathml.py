@@ -6,35 +6,29 @@ package ziamath ships it.
 
 from __future__ import annotations
 
-import html
 import shutil
 from importlib.resources import as_file, files
 from pathlib import Path
 
 from docutils import nodes
-from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
+
+from pipeclamp_models.realise.reading.mathml import mathml
 
 FONT = "STIXTwoMath-Regular.ttf"
 
 
-def _mathml(formula: str, display: str) -> str:
-    """Give a formula's MathML with its TeX source beside it, for what can't read MathML."""
-    element: str = convert(formula, display=display)
-    return element.replace("<math ", f'<math alttext="{html.escape(formula, quote=True)}" ', 1)
-
-
 def visit_inline(writer: HTML5Translator, node: nodes.math) -> None:
     """Write a formula that stands in a line."""
-    writer.body.append(_mathml(node.astext(), "inline"))
+    writer.body.append(mathml(node.astext(), "inline"))
     raise nodes.SkipNode
 
 
 def visit_block(writer: HTML5Translator, node: nodes.math_block) -> None:
     """Write a formula that stands by itself."""
     writer.body.append(writer.starttag(node, "div", CLASS="formula"))
-    writer.body.append(_mathml(node.astext(), "block"))
+    writer.body.append(mathml(node.astext(), "block"))
     writer.body.append("</div>\n")
     raise nodes.SkipNode
 

@@ -20,12 +20,14 @@ from devices.drive import Array, Drive
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.reading import Campaign, read_campaign
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfits
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.law.file import LawFile, Provenance
+from pipeclamp_models.law.law import Structure
 
 LAWS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("power", ()), ("memory", ()), ("power", ("bouc_wen",)), ("power", ("slip_spread",)),
@@ -86,7 +88,7 @@ def free_runs(case: DeviceCase, seed: int) -> dict[str, FreeRun]:
         record = Record(
             np.arange(len(force)) / rig.rate, y[:: 2 * every].copy(), force + noise * random.standard_normal(len(force))
         )
-        found[name] = FreeRun(name, None, T, None, 0.0, {}, record, free_motion(record))
+        found[name] = FreeRun(name, Setup(temperature_C=T), record, free_motion(record))
     return found
 
 
@@ -104,7 +106,7 @@ def sines(case: DeviceCase, seed: int) -> tuple[Campaign, Campaign]:
 def identified(campaign: Campaign, base: str, effects: tuple[str, ...]) -> LawFile:
     """Fit a law to sines."""
     return law_file(
-        identify(campaign, base=base, effects=effects), campaign, name=base, provenance=Provenance("motions")
+        identify(campaign, Structure(base, tuple(effects))), campaign, name=base, provenance=Provenance("motions")
     )
 
 

@@ -15,6 +15,7 @@ from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.runs_table import Setup
 
 DENSITIES = (2.0, 2.286, 2.571)
 LEVELS = (5.0, 10.0, 20.0)
@@ -217,17 +218,19 @@ def campaign_of(
             check_clipping(record, cycles)
             run = Run(
                 name=f"A{row['amplitude_mm']:g}_f{row['frequency_Hz']:g}_T{row['temperature_C']:.0f}".replace(".", "p"),
-                specimen=f"rho{row['density_g_cm3']:g}" if "density" in needs else None,
+                setup=Setup(
+                    specimen=f"rho{row['density_g_cm3']:g}" if "density" in needs else None,
+                    temperature_C=row["temperature_C"],
+                    density_g_cm3=row["density_g_cm3"] if "density" in needs else None,
+                    first_cycle=row["first_cycle"],
+                    conditions={COLUMN: row[COLUMN]} if "condition" in needs else {},
+                ),
                 amplitude_mm=row["amplitude_mm"],
                 frequency_Hz=row["frequency_Hz"],
-                temperature_C=row["temperature_C"],
-                density_g_cm3=row["density_g_cm3"] if "density" in needs else None,
-                first_cycle=row["first_cycle"],
-                conditions={COLUMN: row[COLUMN]} if "condition" in needs else {},
                 record=record,
                 cycles=cycles,
             )
             found.append(run)
-    found.sort(key=lambda run: run.first_cycle)
+    found.sort(key=lambda run: run.setup.first_cycle)
     columns = (COLUMN,) if "condition" in needs else ()
     return Campaign(name, "virtual", f"sha256:{name}", tuple(found), (), columns)

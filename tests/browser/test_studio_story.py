@@ -83,7 +83,7 @@ def test_the_whole_job(page, url, violations, home):
     page.keyboard.press("Enter")
     page.wait_for_selector("text=Find what is missing", timeout=A_JOB_ms)
     page.wait_for_selector(LOOP)
-    assert page.inner_text(".big") == "2.55 %"
+    assert page.inner_text(".big") == "2.55%"
 
     page.locator(".map .cell").nth(4).focus()
     page.keyboard.press("ArrowRight")
@@ -109,7 +109,7 @@ def test_the_whole_job(page, url, violations, home):
     page.click(".answer button:has-text('Add damping_temperature')")
     page.wait_for_selector(".chip[aria-current]:has-text('law2')", timeout=A_JOB_ms)
     page.wait_for_selector("#waterfall .main-svg")
-    assert page.inner_text(".big") == "1.29 %"
+    assert page.inner_text(".big") == "1.29%"
     assert "above scatter\N{MINUS SIGN}79%" in page.inner_text("#waterfall").replace("\n", "")
     page.wait_for_timeout(1600)  # the map fades
     before = page.evaluate("[...document.querySelectorAll('.cell')].filter(c => c.dataset.before).length")
@@ -136,7 +136,7 @@ def test_the_whole_job(page, url, violations, home):
     other.wait_for_selector(LOOP)
     page.reload()
     page.wait_for_selector(LOOP)
-    assert (page.inner_text(".big"), other.inner_text(".big")) == ("1.29 %", "2.55 %")
+    assert (page.inner_text(".big"), other.inner_text(".big")) == ("1.29%", "2.55%")
 
     page.click("text=Step back to law1")
     page.wait_for_selector(".chip[aria-current]:has-text('law1')")

@@ -13,12 +13,12 @@ def test_the_command_and_its_columns(tmp_path, pipeclamp):
     output, report = tmp_path / "r.csv", tmp_path / "r.html"
     done = pipeclamp("response", path, "-o", output, "--bands", "95", "--limit", "tip=0.01", "--report", report)
     assert "turns back, and a sweep jumps, at" in done.stdout
-    assert "above 0.01 mm with a probability of more than 99.9 %" in " ".join(done.stdout.split())
+    assert "above 0.01 mm with a probability of more than 99.9%" in " ".join(done.stdout.split())
     table = pl.read_csv(output)
     told = table.filter(pl.col("clamp1.s_low [mm]").is_not_nan())
     assert len(told) > 0.8 * len(table)
     assert (told["clamp1.s_low [mm]"] <= told["clamp1.s_high [mm]"]).all()
-    assert "95 % bands" in report.read_text(encoding="utf-8")
+    assert "95% bands" in report.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

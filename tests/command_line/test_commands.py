@@ -339,8 +339,8 @@ def test_a_clamp_starts_with_what_it_is_told(pipeclamp, tmp_path, kind):
         (("--amplitude", "3"), 1, "amplitude A = 3 mm; expected 0.2 to 1 mm"),
         (("--amplitude", "0"), 2, "got 0 mm; expected a number above 0 mm"),
         (("--frequency", "nan"), 2, "got nan Hz; expected a number above 0 Hz"),
-        (("--temperature", "-300"), 2, "expected a number above -273.15 degC"),
-        (("--temperature", "400"), 1, "temperature T = 400 degC; expected 20 to 300 degC"),
+        (("--temperature", "-300"), 2, "expected a number above -273.15 °C"),
+        (("--temperature", "400"), 1, "temperature T = 400 °C; expected 20 to 300 °C"),
     ],
 )
 def test_what_a_clamp_cannot_start_with_is_refused(pipeclamp, tmp_path, told, status, words):

@@ -62,9 +62,9 @@ def test_bands_are_told_drawn_and_refused(pipeclamp, refused, bench):
     done = pipeclamp("compare", bench / "system.toml", bench / "measured", *options, *files)
     bands = json.loads(answer.read_text(encoding="utf-8"))["bands"]
     assert bands["compared"] == 5
-    share = f"{bands['outside']} of 5 measured amplitudes ({bands['share_outside']:.0%}) lie outside the model's 95 %"
+    share = f"{bands['outside']} of 5 measured amplitudes ({bands['share_outside']:.0%}) lie outside the model's 95%"
     assert share in " ".join(done.stdout.split())
-    assert "95 % band" in report.read_text(encoding="utf-8")
+    assert "95% band" in report.read_text(encoding="utf-8")
     assert "expected SYSTEM.toml and MEASURED" in refused("compare", "emwm2", "clamp_a", *options, status=2)
 
 

@@ -77,11 +77,11 @@ def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_pa
     assert f"pipeclamp {line}</code>" in html.unescape((plain / "import.html").read_text(encoding="utf-8"))
     told = pipeclamp(*shlex.split(line)).stdout
     assert told.splitlines()[-1] == f'Next: pipeclamp identify "{plain}_2" -o law.json'
-    assert {run.temperature_C for run in pc.read_campaign(f"{plain}_2").tests.campaign.runs} == {20.0}
+    assert {run.setup.temperature_C for run in pc.read_campaign(f"{plain}_2").tests.campaign.runs} == {20.0}
     campaign = tmp_path / "clamp_7"
     pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", campaign, "--pattern", "T{temperature_C}")
     runs = {run.name: run for run in pc.read_campaign(campaign).tests.campaign.runs}
-    assert {name: run.temperature_C for name, run in runs.items()} == {
+    assert {name: run.setup.temperature_C for name, run in runs.items()} == {
         f"clamp 7_{run.name}": run.temperature for run in ten_runs()[:4]
     }
 

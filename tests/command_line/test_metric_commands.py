@@ -108,3 +108,9 @@ def test_what_metrics_cant_serve(refused, pipeclamp, tmp_path, monkeypatch, word
         law = tmp_path / "law.json"
         pipeclamp(*words[:-4], "-o", law, *words[-2:])
         assert json.loads(law.read_text(encoding="utf-8"))["coefficients"]["k_rho"]["state"] == "frozen"
+
+
+def test_nobody_is_sent_to_a_file_for_runs_that_are_printed(pipeclamp, tmp_path):
+    for campaign, sent in (("emwm2_tables", False), ("clamp_a_heldout", True)):
+        printed = pipeclamp("metrics", campaign, cwd=tmp_path).stdout
+        assert ("Every run is in --json and --report." in printed) is sent

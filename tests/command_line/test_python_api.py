@@ -154,7 +154,7 @@ def test_force_is_that_of_the_law_on_its_loops(name):
     ("given", "words"),
     [
         ({"A": [0.5, 9.0], "f": 3.0, "T": 20.0}, "A = 9 mm lies beyond the law's tests, 0.2 to 1 mm"),
-        ({"A": 0.5, "f": 3.0, "T": -40.0}, "T = -40 degC lies beyond the law's tests, 20 to 300 degC"),
+        ({"A": 0.5, "f": 3.0, "T": -40.0}, "T = -40 °C lies beyond the law's tests, 20 to 300 °C"),
     ],
 )
 def test_force_beyond_the_tests_is_told(given, words):

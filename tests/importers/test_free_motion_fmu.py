@@ -10,6 +10,7 @@ from pipeclamp_fmu.build import build_clamp
 from pipeclamp_fmu.contents.clamp_of_law import condition_parameter
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.free_misfit import free_misfits
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import CoefficientEntry
@@ -45,7 +46,8 @@ def test_its_force_is_that_of_compare(kind, rate, drive, law_with_memory, law_wi
     build_clamp(file, path)
     time = np.arange(round(20 * rate)) / rate
     record = Record(time, shaken(time), 1e3 * shaken(time))
-    run = FreeRun("run", None, T - 273.15, 2.3, FIRST_CYCLE, {"current_A": 0.7}, record, free_motion(record))
+    setup = Setup(None, T - 273.15, 2.3, FIRST_CYCLE, {"current_A": 0.7})
+    run = FreeRun("run", setup, record, free_motion(record))
     (held,) = free_misfits(file, [run])
     assert np.ptp(held.amplitude) > 0.3
     assert np.ptp(held.frequency) > 1.0

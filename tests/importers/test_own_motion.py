@@ -269,7 +269,7 @@ def test_another_law_s_parameters_leave_what_the_fmu_was_told(built, law_with_me
     [
         ({"A": 3e-3}, r"amplitude A = 3 mm; expected 0\.2 to 1 mm"),
         ({"f": 0.5}, r"frequency f = 0\.5 Hz; expected 1 to 5 Hz"),
-        ({"T": 673.15}, r"temperature T = 400 degC; expected 20 to 300 degC"),
+        ({"T": 673.15}, r"temperature T = 400 °C; expected 20 to 300 °C"),
     ],
 )
 def test_start_values_beyond_the_range_are_refused(law_with_memory, tmp_path, told, words):

@@ -8,7 +8,10 @@ from pipeclamp_identification.workflow.reading import read_tests
 def test_the_published_tables_campaign_is_the_tables():
     tests = read_tests(bundled_campaign("emwm2_tables")).metrics()
     ours = {
-        (run.amplitude_mm, run.frequency_Hz, run.temperature_C): (run.dissipated_energy_J, run.max_elastic_energy_J)
+        (run.amplitude_mm, run.frequency_Hz, run.setup.temperature_C): (
+            run.dissipated_energy_J,
+            run.max_elastic_energy_J,
+        )
         for run in tests.runs
     }
     printed = {
@@ -18,4 +21,4 @@ def test_the_published_tables_campaign_is_the_tables():
     }
     assert ours == printed
     assert len(ours) == len(tests.runs) == 11
-    assert {run.density_g_cm3 for run in tests.runs} == {2.286}
+    assert {run.setup.density_g_cm3 for run in tests.runs} == {2.286}

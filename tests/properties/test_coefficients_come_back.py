@@ -13,6 +13,7 @@ from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import check_samples
 from pipeclamp_identification.campaign.rig import TestPlan, virtual_runs
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.identify import identify
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.law.law import Law, Structure, smoothing
@@ -55,11 +56,11 @@ def campaign_of(law: Law, plan: TestPlan) -> Campaign:
     for virtual in virtual_runs(law, plan):
         record = virtual.record
         check_samples(record)
-        row = {name: value for name, value in virtual.row.items() if name not in ("run", "first_cycle")}
+        row = virtual.row
         runs.append(
             Run(
-                name=str(virtual.row["run"]), record=record, cycles=find_cycles(record), specimen=None,
-                density_g_cm3=None, first_cycle=0.0, conditions={}, **row,
+                str(row["run"]), Setup(temperature_C=row["temperature_C"]), row["amplitude_mm"], row["frequency_Hz"],
+                record, find_cycles(record),
             )
         )  # fmt: skip
     return Campaign("virtual", "", "sha256:none", tuple(runs), (), ())
@@ -148,7 +149,7 @@ def test_the_papers_own_route_comes_near():
 @pytest.mark.parametrize(("k_s", "z_s"), [(400.0, 60.0), (1500.0, 40.0), (200.0, 90.0)])
 def test_the_memory_base_comes_back(k_s, z_s):
     truth = truth_of(7, "memory", {"c0": 8.0, "c_A": 0.1, "c_f": -0.2, "k_s": k_s, "z_s": z_s})
-    found = identify(campaign_of(truth, replace(PLAN, rate=500.0)), base="memory")
+    found = identify(campaign_of(truth, replace(PLAN, rate=500.0)), Structure("memory"))
     errors = found.fit.standard_errors()
     assert set(found.fit.frozen) == {"alpha0", "alpha_A", "alpha_f"}
     for name, error in errors.items():
@@ -161,7 +162,7 @@ def test_the_series_base_chooses_its_orders_and_comes_near():
     values = {"a_0": 0.0, "a_1": 1200.0, "a_2": 0.0, "a_3": 300.0, "s_A": -0.2, "s_T": -0.1}
     values |= {"b_0": 60.0, "b_1": 4.0, "b_2": 0.3, "r_A": 0.1, "r_f": -0.2}
     truth = Law(structure, values, *smoothing(0.2, 1.0))
-    found = identify(campaign_of(truth, replace(PLAN, rate=500.0)), base="series")
+    found = identify(campaign_of(truth, replace(PLAN, rate=500.0)), Structure("series"))
     assert found.fit.law.structure.base in ("series:3:2", "series:3:3")
     assert overall_nrmse(found.misfits) < 0.02
     errors = found.fit.standard_errors()

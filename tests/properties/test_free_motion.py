@@ -10,6 +10,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.rig import TestPlan as Plan
 from pipeclamp_identification.campaign.rig import virtual_runs
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.comparison.answer import comparison_answer
 from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.fitting.free_misfit import free_misfits
@@ -52,8 +53,7 @@ def integrated(motion, rate, v_r):
 
 
 def free_run(record, name="run", **conditions):
-    known = {"specimen": None, "temperature_C": None, "density_g_cm3": None, "first_cycle": 0.0, "conditions": {}}
-    return FreeRun(name=name, record=record, motion=free_motion(record), **(known | conditions))
+    return FreeRun(name, Setup(**conditions), record, free_motion(record))
 
 
 @pytest.fixture(scope="module")

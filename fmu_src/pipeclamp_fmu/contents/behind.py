@@ -73,7 +73,7 @@ def behind_section(behind: Behind) -> DocumentedSection:
             f"Coefficients: {behind.origins}. Last diagnosis: {behind.verdict}.",
             "Parameter sets (SSV) in extra/org.fmi-standard.fmi-ls-ref, to be applied before initialization: the law, "
             "and the likeliest parameters at which the energy that the clamp dissipates in a cycle, or its stiffness, "
-            "lies at an end of its 95 % band, in the middle of the range. They hold what the parameters' covariance "
+            "lies at an end of its 95% band, in the middle of the range. They hold what the parameters' covariance "
             "and the scatter from run to run tell.",
             *(f"Mind: {caution}." for caution in behind.sets.cautions),
             f"{RECORD} beside them says the same to machines, coefficient by coefficient.",
@@ -85,4 +85,4 @@ def behind_section(behind: Behind) -> DocumentedSection:
 
 
 def _change(value: float, nominal: float) -> str:
-    return f"{100 * (value / nominal - 1):+.2g} %" if nominal else "-"
+    return f"{100 * (value / nominal - 1):+.2g}%" if nominal else "-"

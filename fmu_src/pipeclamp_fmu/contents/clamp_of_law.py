@@ -93,7 +93,7 @@ def _require_in_range(file: LawFile, told: ClampStart) -> None:
     for name, meaning, value, zero, unit in (
         ("A", "amplitude", told.A and MM * told.A, 0.0, "mm"),
         ("f", "frequency", told.f, 0.0, "Hz"),
-        ("T", "temperature", told.T, CELSIUS, "degC"),
+        ("T", "temperature", told.T, CELSIUS, "°C"),
     ):
         known = file.range.get(name)
         if value is None or known is None or within(value, (known.minimum, known.maximum)):

@@ -214,7 +214,7 @@ def require_dissipation(
         _, cycle, where, result = worst
         raise UserError(
             f"law {name!r} would create energy: {_at(cycle, where)} gives {-1e-3 * result.dissipated:.3g} J per cycle "
-            f"({-100 * worst[0]:.3g} % of the energy moved); expected dissipation above 0 over every closed cycle. "
+            f"({-100 * worst[0]:.3g}% of the energy moved); expected dissipation above 0 over every closed cycle. "
             f"{REMEDY}"
         )
 

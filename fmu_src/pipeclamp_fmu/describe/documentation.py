@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from jinja2 import Environment
 
 from pipeclamp_fmu.describe.model_description import Quantity
+from pipeclamp_models.base.units import unit_shown
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -112,7 +113,7 @@ class DocumentedSection:
 
 def variables_section(described: Mapping[str, Quantity]) -> DocumentedSection:
     """Give the table of an FMU's variables, by name."""
-    rows = [(name, entry.unit or "-", entry.description) for name, entry in described.items()]
+    rows = [(name, unit_shown(entry.unit) or "-", entry.description) for name, entry in described.items()]
     return DocumentedSection("Variables", (), (), ("name", "unit", "meaning"), rows)
 
 

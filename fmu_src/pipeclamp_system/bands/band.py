@@ -103,7 +103,7 @@ REMEDIES: Mapping[str, str] = {
 
 def ends_words(band: Band, unit: str, per_cent: float) -> str:
     """Give a number with the ends of its band."""
-    return f"{band.value:.4g} {unit} ({per_cent:g} %: {band.low:.4g} to {band.high:.4g})"
+    return f"{band.value:.4g} {unit} ({per_cent:g}%: {band.low:.4g} to {band.high:.4g})"
 
 
 def origin_words(name: str, band: Band) -> list[str]:

@@ -15,7 +15,7 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.law.range import conditions_beyond, conditions_inside
@@ -96,7 +96,7 @@ class _Member:
     time: Array
 
 
-def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progress | None = None) -> RunBands:
+def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progress = silent) -> RunBands:
     """Give a run's bands by an ensemble on all cores.
 
     Args:
@@ -109,7 +109,6 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
         UserError: no clamp has a law whose uncertainty is known, or more than a tenth of the runs fail.
         UsageError: the share can't be held by a band.
     """
-    tell = progress or (lambda what: None)
     steps = steps_of(per_cent)
     description = read_system(path)
     places, what = _unknown_of(description, path)
@@ -135,7 +134,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
         found = []
         for run in spread(_run, jobs, cores()):
             found.append(run)
-            tell(f"run {len(found)} of {len(jobs)} of the ensemble")
+            progress(f"run {len(found)} of {len(jobs)} of the ensemble")
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     good = [place for place, run in enumerate(found) if not isinstance(run, str)]

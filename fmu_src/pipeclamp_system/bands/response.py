@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.pipe.description import read_pipe
@@ -42,7 +42,7 @@ def response_bands(
     response: FrequencyResponse,
     per_cent: float,
     limits: Mapping[str, float] | None = None,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> ResponseBands:
     """Give the bands of a system's frequency response.
 
@@ -60,12 +60,11 @@ def response_bands(
         UserError: the response at an end isn't found.
         UsageError: as of `refuse`.
     """
-    tell = progress or (lambda what: None)
     refuse(path, per_cent, limits or {})
     system = banded_system(path, response)
     curves = []
     for curve in response.curves:
-        tell(f"band of {label(curve.temperature, curve.level)}")
+        progress(f"band of {label(curve.temperature, curve.level)}")
         curves.append(system.bands(curve, per_cent))
     return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(system.unknown.laws))
 

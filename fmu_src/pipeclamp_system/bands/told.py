@@ -121,8 +121,8 @@ class ResponseBands:
 
 def _probability(chance: float) -> str:
     if chance < 1e-3 or chance > 1 - 1e-3:
-        return "less than 0.1 %" if chance < 0.5 else "more than 99.9 %"
-    return f"{100 * chance:.2g} %" if chance < 0.995 else f"{100 * chance:.1f} %"
+        return "less than 0.1%" if chance < 0.5 else "more than 99.9%"
+    return f"{100 * chance:.2g}%" if chance < 0.995 else f"{100 * chance:.1f}%"
 
 
 def _detached_words(counts: tuple[int, int | None, int | None]) -> list[str]:

@@ -7,7 +7,7 @@ from math import ceil, inf, log2
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.cosim.step_error import step_error
@@ -35,7 +35,7 @@ class ParallelStep:
     error: float
 
 
-def parallel_step(system: SystemDescription, folder: Path, where: str, tell: Progress = lambda _: None) -> ParallelStep:
+def parallel_step(system: SystemDescription, folder: Path, where: str, tell: Progress = silent) -> ParallelStep:
     """Find the longest macro step in which a parallel master gives a result that can be trusted.
 
     Steps are halved until it does; where that would take too many steps, the last one says how much shorter still.

@@ -8,7 +8,7 @@ from pathlib import Path
 from pipeclamp_fmu.contents.excitation import Samples
 from pipeclamp_fmu.ssp import Component, Port, SystemStructure, write_ssp
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_system.cosim.building import Builders, finished
 from pipeclamp_system.cosim.parallel_step import ParallelStep, parallel_step
 from pipeclamp_system.cosim.variables import clamp_parameters, pipe_variables
@@ -24,7 +24,7 @@ MOST_EXCITATION_SAMPLES = 200_000
 """Of the excitation, one a step, in its FMU."""
 
 
-def write_system(path: Path, output: Path, build: Builders, tell: Progress = lambda _: None) -> ParallelStep:
+def write_system(path: Path, output: Path, build: Builders, tell: Progress = silent) -> ParallelStep:
     """Write the system that a file describes as an SSP: excitation, pipe, clamps, connections, parameters, step.
 
     Args:

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.law.file import Interval
 from pipeclamp_models.pipe.description import read_pipe
@@ -299,7 +299,7 @@ def amplitudes_of(state: SteadyState) -> tuple[float, ...]:
     return tuple(half_range(np.vstack([state.clamps, state.probes])).tolist())
 
 
-def run_response(path: Path, progress: Progress | None = None, *, dots: bool = True) -> FrequencyResponse:
+def run_response(path: Path, progress: Progress = silent, *, dots: bool = True) -> FrequencyResponse:
     """Give the frequency response of the system that a file describes.
 
     Args:
@@ -310,7 +310,6 @@ def run_response(path: Path, progress: Progress | None = None, *, dots: bool = T
     Raises:
         UserError: the system can't be read or built, has no sine, no law or nothing to show, or a co-simulation fails.
     """
-    tell = progress or (lambda what: None)
     description = read_system(path)
     table = response_table(description, str(path))
     if description.pipe.file is None:
@@ -329,13 +328,13 @@ def run_response(path: Path, progress: Progress | None = None, *, dots: bool = T
     with finished(description, path.parent) if frequencies else nullcontext(description) as ready:
         for temperature in table.temperatures_C or (None,):
             for level in table.levels:
-                tell(label(temperature, level))
+                progress(label(temperature, level))
                 place = str(path)
                 system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
                 curve = curve_of(system, table, temperature, level, place)
                 curves.append(curve)
                 for frequency in frequencies:
-                    tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
+                    progress(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
                     passed = [state for piece in curve.pieces for state in system.crossings(piece, frequency)]
                     passed += _marched_at(system, curve.followed, frequency)
                     stable = [

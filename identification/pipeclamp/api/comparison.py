@@ -68,7 +68,7 @@ class Comparison(Shown):
         return Report(*comparison_title([self.law.file], self.tests.name), sections)
 
     def to_frame(self) -> pl.DataFrame:
-        """Give a row a run: its conditions (mm, Hz, degC), error and scatter as shares of the run's rms force."""
+        """Give a row a run: its conditions (mm, Hz, °C), error and scatter as shares of the run's rms force."""
         return frame_of(self.to_dict()["runs"])
 
     def __repr__(self) -> str:

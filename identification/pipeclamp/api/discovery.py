@@ -15,11 +15,10 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
 from pipeclamp_identification.workflow import discover as workflow
 from pipeclamp_identification.workflow.next_command import after_discovery
-from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration_files import read_declaration
 
 if TYPE_CHECKING:

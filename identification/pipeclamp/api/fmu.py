@@ -41,7 +41,7 @@ def build_fmu(
         platforms: native: of linux64, win64, darwin64; this machine's by default, none for sources alone.
         amplitude: A at the start, mm; the middle of the law's range by default.
         frequency: f at the start, Hz; likewise.
-        temperature: T at the start, degC; likewise.
+        temperature: T at the start, °C; likewise.
         track: A and f follow the motion.
         temperature_input: T_in is an input to connect, in place of T.
         events: native: in model exchange, a reversal of the motion is an event where the law has memory.

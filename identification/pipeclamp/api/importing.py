@@ -10,14 +10,13 @@ from pipeclamp.api.shown import PathOrName, Shown, path_of
 from pipeclamp.api.tests import Tests, read_campaign
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.answer import Found
+from pipeclamp_identification.importing.answer import ImportedCampaign
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
-    from pipeclamp_identification.importing.results.found import FoundResults
     from pipeclamp_models.base.tables import pl
 
 
@@ -34,7 +33,7 @@ class Import(Shown):
     <import clamp_7: 18 runs, not written>
     """
 
-    def __init__(self, found: Found | FoundResults) -> None:
+    def __init__(self, found: ImportedCampaign) -> None:
         self.found = found
 
     @property
@@ -73,7 +72,7 @@ class Import(Shown):
         return import_report(self.found)
 
     def to_frame(self) -> pl.DataFrame:
-        """Give a row a run: file, amplitude (mm), frequency (Hz), temperature (degC), cycles."""
+        """Give a row a run: file, amplitude (mm), frequency (Hz), temperature (°C), cycles."""
         from pipeclamp.api.shown import frame_of
 
         return frame_of(self.to_dict()["runs"])
@@ -97,7 +96,7 @@ def import_files(
     format: Format = "parquet",
     skip_unusable: bool = False,
     dry_run: bool = False,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Import:
     """Make a campaign of test machines' files, or add files to one that was made so.
 
@@ -130,8 +129,9 @@ def import_files(
     """
     from pipeclamp.pages.imported import import_page
     from pipeclamp_identification.fitting.identify import software
-    from pipeclamp_identification.importing.results.whole import import_any
+    from pipeclamp_identification.importing.request import ImportRequest
     from pipeclamp_identification.importing.stated import stated_options
+    from pipeclamp_identification.importing.whole import import_campaign
 
     given = [files] if isinstance(files, str) or not isinstance(files, Sequence) else files
     paths = [Path(path_of(one, "a file")) for one in given]
@@ -142,9 +142,9 @@ def import_files(
     )
     table = None if conditions is None else Path(path_of(conditions, "a table of conditions"))
     options = stated_options(stated, pattern, table, rate, leave_out=lambda unusable: skip_unusable)
-    found = import_any(
+    request = ImportRequest(
         paths, Path(path_of(campaign, "a campaign's folder")), options,
         page=import_page, dry_run=dry_run, name=name, notes=notes, software=software(), format=format,
-        progress=progress,
+        tell=progress,
     )  # fmt: skip
-    return Import(found)
+    return Import(import_campaign(request))

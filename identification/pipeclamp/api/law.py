@@ -91,7 +91,7 @@ class Law:
             v: velocity in mm/s, of a shape that broadcasts with it.
             A: amplitude of the motion in mm, where the law follows it; shapes as v.
             f: its frequency in Hz, likewise.
-            T: temperature in degC, likewise; of no use where the law's tests told none.
+            T: temperature in °C, likewise; of no use where the law's tests told none.
             h: seconds between samples, where the law has memory: it then goes from sample to sample as an FMU through
                 its step, and unloads from where the motion turned between two of them; without h each is one straight
                 move. Laws whose memory fades with time (`relaxation`) ask for it.

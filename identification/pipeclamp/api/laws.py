@@ -13,12 +13,12 @@ from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.change import add_effects, remove_effect
 from pipeclamp_identification.workflow.change import refit as refitted
-from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration_files import read_effects
 from pipeclamp_models.law.file import NamedKind, Provenance
+from pipeclamp_models.law.law import Structure
 
 
 @one_thread()
@@ -59,9 +59,8 @@ def identify(
     tests = tested(tests)
     effects = _listed(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
-    found = tests.tests.identify(
-        base=base, effects=names, frozen=freeze, method=method, declared=declarations, progress=progress
-    )
+    structure = Structure(base, tuple(names), tuple(sorted((freeze or {}).items()))).with_declared(declarations)
+    found = tests.tests.identify(structure, method=method, progress=progress)
     called = f"{_read(tests)}, effects={[fspath(effect) for effect in effects]!r}, base={base!r}"
     return Law(found.file(name=name or tests.name, provenance=Provenance(f"pc.identify({called})")))
 
@@ -99,7 +98,8 @@ def identify_per(
     tests = tested(tests)
     effects = _listed(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
-    laws = fitted(tests.tests, column, base=base, effects=names, declared=declarations, progress=progress)
+    structure = Structure(base, tuple(names)).with_declared(declarations)
+    laws = fitted(tests.tests, column, structure, progress=progress)
     shown = [fspath(effect) for effect in effects]
     called = f"pc.identify_per({_read(tests)}, {column!r}, effects={shown!r}, base={base!r})"
     return {

@@ -69,7 +69,7 @@ class Tests(Shown):
         return Report(f"Loop metrics of {self.name}", self.tests.notes, sections)
 
     def to_frame(self) -> pl.DataFrame:
-        """Give a row a run: conditions (mm, Hz, degC), dW and W (J), loss factor, stiffness (N/mm), scatter."""
+        """Give a row a run: conditions (mm, Hz, °C), dW and W (J), loss factor, stiffness (N/mm), scatter."""
         return frame_of(self.to_dict()["runs"])
 
     def __repr__(self) -> str:
@@ -79,10 +79,11 @@ class Tests(Shown):
     def __str__(self) -> str:
         """Say how many runs there are, over which conditions, which are left out, and what to know of them."""
         runs = self._loops
+        temperatures = [run.setup.temperature_C for run in runs]
         spans = [
             _span("A", "mm", [run.amplitude_mm for run in runs]),
             _span("f", "Hz", [run.frequency_Hz for run in runs]),
-            _span("T", "°C", [round(run.temperature_C, 1) for run in runs if run.temperature_C is not None]),
+            _span("T", "°C", [round(T, 1) for T in temperatures if T is not None]),
         ]
         words = f"{self.name}: {', '.join([self._count(), *filter(None, spans)])}"
         return "\n".join([words, *self.left_out, *self.remarks])
@@ -114,7 +115,7 @@ def read_campaign(campaign: PathOrName, *, strict: bool = False) -> Tests:
         strict: a run that can't be used is an error, else it is left out and listed in `left_out`.
 
     Returns:
-        the tests; displacement in mm, force in N, temperature in degC.
+        the tests; displacement in mm, force in N, temperature in °C.
 
     Raises:
         UserError: a file is missing or not as expected, or no run can be used.

@@ -66,7 +66,7 @@ def rig(
     ] = "",
     amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
     frequencies: Annotated[str, typer.Option(metavar="Hz,...")] = "1,3,5",
-    temperatures: Annotated[str, typer.Option(metavar="degC,...")] = "20,100,200,300",
+    temperatures: Annotated[str, typer.Option(metavar="°C,...")] = "20,100,200,300",
     drive: Annotated[
         Path | None,
         typer.Option(

@@ -16,9 +16,8 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_folder
 
 if TYPE_CHECKING:
-    from pipeclamp_identification.importing.answer import Found
+    from pipeclamp_identification.importing.answer import ImportedCampaign
     from pipeclamp_identification.importing.columns import Mapped, Stated
-    from pipeclamp_identification.importing.results.found import FoundResults
     from pipeclamp_identification.importing.unusable import UnusableFiles
 
 app = typer.Typer()
@@ -84,8 +83,9 @@ def import_command(
     from pipeclamp.pages.imported import import_page
     from pipeclamp.show.imported import import_view
     from pipeclamp_identification.fitting.identify import software
-    from pipeclamp_identification.importing.results.whole import import_any
+    from pipeclamp_identification.importing.request import ImportRequest
     from pipeclamp_identification.importing.stated import stated_options
+    from pipeclamp_identification.importing.whole import import_campaign
     from pipeclamp_models.base.files import write_whole
 
     spare(*files, outputs=(json, report))
@@ -95,11 +95,11 @@ def import_command(
     leave_out = _may_be_left_out if asked and not skip_unusable else lambda unusable: skip_unusable
     options = stated_options(columns, pattern, conditions, rate, leave_out=leave_out, ask=_ask if asked else None)
     with told("import") as tell:
-        found = import_any(
+        request = ImportRequest(
             files, output, options, page=page, confirm=_confirmed if asked and not yes else None,
-            dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value,
-            progress=tell,
+            dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value, tell=tell,
         )  # fmt: skip
+        found = import_campaign(request)
     for entry in found.left_out:
         warn(str(entry))
     for words in found.notes():
@@ -139,7 +139,7 @@ def _may_be_left_out(unusable: UnusableFiles) -> bool:
         return False
 
 
-def _confirmed(found: Found | FoundResults) -> bool:
+def _confirmed(found: ImportedCampaign) -> bool:
     """Show which channel is what, and ask whether that is right."""
     from pipeclamp.show.imported import columns_table
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.so_far import SoFar
 from pipeclamp_models.base.errors import InterruptError
 from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.law.file import LawFile, law_text
 
@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from pipeclamp_identification.workflow.tests import Tests
 
 
-def climbed(
-    file: LawFile, tests: Tests, campaign: Path, output: Path, tell: Callable[[str], None], **how: Any
-) -> Settled:
+def climbed(file: LawFile, tests: Tests, campaign: Path, output: Path, tell: Progress, **how: Any) -> Settled:
     """Climb until no step helps.
 
     Args:

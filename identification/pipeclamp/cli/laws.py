@@ -41,7 +41,7 @@ from pipeclamp_models.base.now import now
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import LawChange
-    from pipeclamp_models.law.file import LawFile
+    from pipeclamp_models.law.file import LawFile, NamedKind
 
 app = typer.Typer()
 
@@ -100,7 +100,7 @@ def metrics(
             report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests, following), command_called()
         )
     show(view, json)
-    if tests.has_loops and not (json or report):
+    if not (view.whole or json or report):
         put("Every run is in --json and --report.")
     print_next(following)
 
@@ -137,6 +137,7 @@ def identify(
     from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import Provenance, law_text
+    from pipeclamp_models.law.law import Structure
 
     if per:
         refuse_folder(output)
@@ -147,15 +148,14 @@ def identify(
     spare(campaign, *(declared or ()), outputs=(output, report))
     with told("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
+        held = tuple(sorted(values_in(freeze).items()))
+        structure = Structure(base.value, tuple(ids), held).with_declared(declarations)
         tests = read_and_tell(campaign, strict, tell)
         provenance = Provenance(command_called(), None if reproducible else now())
         if per:
             from pipeclamp_identification.workflow.per_group import identify_per
 
-            laws = identify_per(
-                tests, per, base=base.value, effects=ids, frozen=values_in(freeze), method=method.value,
-                declared=declarations, progress=tell,
-            )  # fmt: skip
+            laws = identify_per(tests, per, structure, method=method.value, progress=tell)
             files = {
                 law.stem: law.found.file(name=f"{name or tests.name} {law.group}", provenance=provenance)
                 for law in laws
@@ -165,10 +165,7 @@ def identify(
             put(str(output))
             print_next(after_group_laws([str(output / f"{stem}.json") for stem in files], str(campaign)))
             return
-        found = tests.identify(
-            base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
-            progress=tell,
-        )  # fmt: skip
+        found = tests.identify(structure, method=method.value, progress=tell)
         file = found.file(name=name or tests.name, provenance=provenance)
     if report:
         from pipeclamp.pages.page import write_report
@@ -349,7 +346,8 @@ def add(
     names, declarations = read_effects(names_in(effect), declared or ())
     if not names:
         raise UsageError(f"EFFECT: got {effect!r}; expected the name of an effect, such as memory")
-    change = partial(add_effects, effects=names, kind=meant and meant.value, declared=declarations)
+    kind: NamedKind | None = None if meant is None else meant.value
+    change = partial(add_effects, effects=names, kind=kind, declared=declarations)
     _change(change, "add", law, campaign, output, strict, reproducible)
 
 

@@ -96,7 +96,7 @@ def build_fmu(
     ] = None,
     frequency: Annotated[float | None, _start_option("Hz", "f at the start, likewise.")] = None,
     temperature: Annotated[
-        float | None, _start_option("degC", "T at the start, likewise; 20 degC without a range.", -CELSIUS)
+        float | None, _start_option("°C", "T at the start, likewise; 20 °C without a range.", -CELSIUS)
     ] = None,
     track: Annotated[bool, typer.Option("--track", metavar="", help="Follow A and f of the motion.")] = False,
     temperature_input: Annotated[

@@ -146,7 +146,7 @@ LimitsOption = Annotated[
     typer.Option(
         "--limits",
         metavar="A=0.1..2,f=0.5..20,T=20..300,v=..300",
-        help="What the rig can do, for the whole motion of the next test: mm, Hz, degC, mm/s; F=..5000, N.",
+        help="What the rig can do, for the whole motion of the next test: mm, Hz, °C, mm/s; F=..5000, N.",
     ),
 ]
 

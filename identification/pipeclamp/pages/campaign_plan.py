@@ -73,11 +73,11 @@ def effects_picture(plan: CampaignPlan) -> go.Figure:
     for place, name in enumerate(np.array(scene.effects)[told].tolist()):
         figure.add_scatter(
             x=newtons, y=100 * chances[:, place], mode="lines", name=name, showlegend=False, opacity=0.35,
-            line={"color": SERIES[7], "width": 1.2}, hovertemplate=f"{name}: %{{x:.3g}} N, %{{y:.0f}} %<extra></extra>",
+            line={"color": SERIES[7], "width": 1.2}, hovertemplate=f"{name}: %{{x:.3g}} N, %{{y:.0f}}%<extra></extra>",
         )  # fmt: skip
     figure.add_scatter(
         x=newtons, y=100 * chances.mean(axis=1), mode="lines", name="all of them", showlegend=False,
-        line={"color": MODEL, "width": 3}, hovertemplate="all: %{x:.3g} N, %{y:.0f} %<extra></extra>",
+        line={"color": MODEL, "width": 3}, hovertemplate="all: %{x:.3g} N, %{y:.0f}%<extra></extra>",
     )  # fmt: skip
     figure.update_xaxes(title_text="rms force of the effect / N", **LOG_AXIS)
     figure.update_yaxes(title_text="named / %", range=[0, 103])

@@ -81,7 +81,7 @@ def _along_loop_section(comparison: Comparison) -> Section:
     run = comparison.runs[row]
     law = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)[row]
     degrees = 360.0 * np.arange(DRAWN_SAMPLES) / DRAWN_SAMPLES
-    loop = LoopInTime(f"the worst run: {run.run}, {100 * run.nrmse:.2g} %", degrees, measured, law)
+    loop = LoopInTime(f"the worst run: {run.run}, {100 * run.nrmse:.2g}%", degrees, measured, law)
     picture = along_loop_picture(
         ErrorBars(bars.title, bars.axis, middles, bars.error, bars.scatter),
         loop,
@@ -90,7 +90,7 @@ def _along_loop_section(comparison: Comparison) -> Section:
     )
     words = (
         "On unloading the displacement falls from its largest value, on loading it rises again. Just after and just "
-        "before a reversal are the 30 degrees on either side of it, with the last 13 % of the displacement."
+        "before a reversal are the 30 degrees on either side of it, with the last 13% of the displacement."
     )
     tables = [parts_table(breakdown.by_branch(comparison.sums)), parts_table(breakdown.by_place(comparison.sums))]
     return Section("Along the loop", [words, EVEN], tables, [picture])
@@ -135,8 +135,8 @@ def _cycles_section(comparison: Comparison) -> Section:
     if drift:
         words.append(
             "From a record's first cycle to its last the measured force drifts against the law by "
-            f"{100 * drift.in_phase:+.2g} % in phase and {100 * drift.in_quadrature:+.2g} % in quadrature of its first "
-            f"harmonic, standard error {one_digit(100 * drift.standard_error)} %."
+            f"{100 * drift.in_phase:+.2g}% in phase and {100 * drift.in_quadrature:+.2g}% in quadrature of its first "
+            f"harmonic, standard error {one_digit(100 * drift.standard_error)}%."
         )
     bars = bars_of("all runs, share of the rms force", cycles.by, cycles, short=True)
     measured, computed = breakdown.amplitude_along_cycles(comparison.sums, comparison.loops)

@@ -74,7 +74,7 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
                 z=level[panel], customdata=conditions.error[panel],
                 x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
                 text=_cell_texts(conditions.error[panel], conditions.scatter[panel]), texttemplate="%{text}",
-                hovertemplate=f"{conditions.rows} %{{y}}, f / Hz %{{x}}: %{{customdata:.4g}} %<extra></extra>",
+                hovertemplate=f"{conditions.rows} %{{y}}, f / Hz %{{x}}: %{{customdata:.4g}}%<extra></extra>",
                 hoverongaps=False,
             ),
             **place,

@@ -12,6 +12,7 @@ from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.drawn import MOST_POINTS, DrawnRun, drawn_runs
 from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
 
 OF_ALL_RUNS = 80_000
@@ -69,7 +70,7 @@ def _run(run: DrawnRun, levels: Sequence[int], words: str) -> Mapping[str, Any]:
         "v": _packed(run.v),
         "measured": _packed(run.measured),
         "laws": [_packed(force) for force in run.laws],
-        "scatter": None if run.scatter is None else [float(f"{value:.3g}") for value in run.scatter],
+        "scatter": None if run.scatter is None else [rounded_to(value, 3) for value in run.scatter],
         "squared_force": run.squared_force,
         "squared_error": run.squared_error,
         "squared_scatter": run.squared_scatter,

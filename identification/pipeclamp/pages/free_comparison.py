@@ -33,7 +33,7 @@ def free_sections(comparison: Comparison) -> list[Section]:
     ]
     figures = []
     for run in comparison.worst_free_first()[:DRAWN]:
-        title = f"{run.run}: error {100 * run.nrmse:.3g} %"
+        title = f"{run.run}: error {100 * run.nrmse:.3g}%"
         figures += [over_time_picture(run, title), path_picture(run, f"{run.run}: force over displacement")]
     bars = [
         error_bars([bars_of("", parts.by, parts) for parts in broken], f"{what}, percent of the rms force")

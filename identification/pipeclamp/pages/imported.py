@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import singledispatch
 
 import numpy as np
 import plotly.graph_objects as go
@@ -19,20 +19,18 @@ from pipeclamp.show.imported import (
     cut_table,
     following_import,
     import_lines,
-    imported_runs_table,
-    imported_tests_table,
+    imported_table,
     left_out_table,
 )
 from pipeclamp.show.metrics import OF_A_SINE
 from pipeclamp_identification.comparison.sentences import sentence
-from pipeclamp_identification.importing.answer import Found, ImportAnswer
-from pipeclamp_identification.importing.looked_at import CYCLES, ShownLoop
+from pipeclamp_identification.importing.answer import ImportAnswer, ImportedCampaign
 from pipeclamp_identification.importing.plan import Overview
+from pipeclamp_identification.importing.records.imported import ImportedRecords
+from pipeclamp_identification.importing.records.looked_at import CYCLES, ShownLoop
+from pipeclamp_identification.importing.results.imported import ImportedResults
 from pipeclamp_identification.metrics_only.sweeps import sweeps_of
 from pipeclamp_models.base.said import counted
-
-if TYPE_CHECKING:
-    from pipeclamp_identification.importing.results.found import FoundResults
 
 PANELS = 24
 """Loops in a picture."""
@@ -46,19 +44,23 @@ MOST_OVERVIEWS, MOST_LABELS = 40, 24
 FINEST = 600
 """Part of a picture's width that can be seen."""
 KEPT, CUT = SERIES[0], SERIES[1]
+CUT_WORDS = {
+    "run": "Samples are lines of the file where it is a text.",
+    "test": "Rows of the files that can't be used, as the files count them.",
+}
 
 
-def import_page(found: Found | FoundResults, called: Sequence[str] = ()) -> str:
+def import_page(found: ImportedCampaign, called: Sequence[str] = ()) -> str:
     """Give the page of an import as HTML; `called` are the command's words, so that it can be said anew."""
     return render(*import_report(found, called))
 
 
-def import_report(found: Found | FoundResults, called: Sequence[str] = ()) -> Report:
+def import_report(found: ImportedCampaign, called: Sequence[str] = ()) -> Report:
     """Give the page of an import; `called` as for `import_page`."""
     return Report(f"Import of {found.name}", found.folder.name, import_sections(found, called))
 
 
-def import_sections(found: Found | FoundResults, called: Sequence[str] = ()) -> list[Section]:
+def import_sections(found: ImportedCampaign, called: Sequence[str] = ()) -> list[Section]:
     """Give the sections of an import's page; `called` as for `import_page`."""
     answer = found.answer()
     head, *lines = import_lines(found, answer, called)
@@ -70,32 +72,37 @@ def import_sections(found: Found | FoundResults, called: Sequence[str] = ()) -> 
             [columns_table(found.imported.files)],
             command=following_import(found, answer, called),
         ),
-        *(_of_records(found, answer) if isinstance(found, Found) else _of_results(found, answer)),
+        *_drawn(found, answer),
     ]
     if answer.left_out_files:
         sections.append(Section("Files that were left out", (), [left_out_table(answer)]))
     if answer.cut:
-        words = "Samples are lines of the file where it is a text."
-        if not isinstance(found, Found):
-            words = "Rows of the files that can't be used, as the files count them."
-        sections.append(Section("What was cut", [words], [cut_table(answer)]))
+        sections.append(Section("What was cut", [CUT_WORDS[found.thing]], [cut_table(answer)]))
     return sections
 
 
-def _of_records(found: Found, answer: ImportAnswer) -> list[Section]:
-    every = Section("All runs", (), [imported_runs_table(answer)])
+@singledispatch
+def _drawn(found: ImportedCampaign, answer: ImportAnswer) -> list[Section]:
+    """Give the sections of what tests look like, and the table of all of them."""
+    raise NotImplementedError(type(found))
+
+
+@_drawn.register
+def _(found: ImportedRecords, answer: ImportAnswer) -> list[Section]:
+    every = Section("All runs", (), [imported_table(found, answer)])
     return [*_overviews(found.plan.overviews), *_loops(found), every]
 
 
-def _of_results(found: FoundResults, answer: ImportAnswer) -> list[Section]:
+@_drawn.register
+def _(found: ImportedResults, answer: ImportAnswer) -> list[Section]:
     drawn = sweep_sections(found.campaign, of_phase(found.campaign))
-    every = Section("All tests", [] if drawn else [OF_A_SINE], [imported_tests_table(found, answer)])
+    every = Section("All tests", [] if drawn else [OF_A_SINE], [imported_table(found, answer)])
     if drawn:
         drawn[0] = replace(drawn[0], paragraphs=[OF_A_SINE, *drawn[0].paragraphs])
     return [*drawn, every]
 
 
-def _loops(found: Found) -> list[Section]:
+def _loops(found: ImportedRecords) -> list[Section]:
     shown = [_panel(loop) for loop in found.looked.loops]
     if not shown:
         return []
@@ -112,17 +119,26 @@ def _loops(found: Found) -> list[Section]:
     return [Section("Loops", words, (), pictures)]
 
 
-def first_look(found: Found | FoundResults) -> dict[str, str] | None:
+@singledispatch
+def first_look(found: ImportedCampaign) -> dict[str, str] | None:
     """Give what the studio draws of files, with a title and words; None where there is nothing.
 
     Of records it is a few loops, evenly over the campaign, of results stiffness and loss angle over what was varied.
     """
-    if not isinstance(found, Found):
-        sweeps = sweeps_of(found.campaign)
-        if not sweeps:
-            return None
-        figure = sweep_picture(found.campaign, of_phase(found.campaign), sweeps[0])
-        return _first_look(f"Stiffness and loss angle of {counted(len(found.campaign.runs), 'test')}", figure)
+    raise NotImplementedError(type(found))
+
+
+@first_look.register
+def _(found: ImportedResults) -> dict[str, str] | None:
+    sweeps = sweeps_of(found.campaign)
+    if not sweeps:
+        return None
+    figure = sweep_picture(found.campaign, of_phase(found.campaign), sweeps[0])
+    return _first_look(f"Stiffness and loss angle of {counted(len(found.campaign.runs), 'test')}", figure)
+
+
+@first_look.register
+def _(found: ImportedRecords) -> dict[str, str] | None:
     shown = found.looked.loops
     if not shown:
         return None

@@ -13,11 +13,12 @@ from pipeclamp.pages.pictures import curves_picture, surface_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import REFERENCES
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations.symbols import FIXED
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
-from pipeclamp_models.realise.reading.text import equation_lines
+from pipeclamp_models.realise.reading.text import equation_lines, law_statements
 
 POINTS_PER_AXIS = 40
 
@@ -26,7 +27,7 @@ def law_sections(file: LawFile) -> list[Section]:
     """Give the part of a page that shows a law: its equations, parameters and surfaces."""
     law = law_of(file)
     return [
-        Section("Law", [*equation_lines(law.equations.composed), *_fixed_words(law)]),
+        Section("Law", _fixed_words(law), formulas=law_statements(law.equations.composed)),
         Section("Parameters", doubts(file), [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
     ]
@@ -41,7 +42,10 @@ def _fixed_words(law: Law) -> list[str]:
     }
     lines = " ".join(equation_lines(law.equations.composed))
     there = [one for one in FIXED if re.search(rf"\b{one.symbol}\b", lines)]
-    told = [f"{one.symbol} = {values[str(one.symbol)]} {one.unit} ({one.meaning.split(',')[0]})" for one in there]
+    told = [
+        f"{one.symbol} = {values[str(one.symbol)]} {unit_shown(one.unit)} ({one.meaning.split(',')[0]})"
+        for one in there
+    ]
     return [f"Here {', '.join(told)}."] if told else []
 
 
@@ -69,8 +73,8 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
     for index, coefficient in enumerate(equations.composed.coefficients):
         free = {str(symbol) for symbol in coefficient.expression.free_symbols}
         varied = [name for name in ranges if name in free]
-        label = f"{coefficient.symbol} / {coefficient.unit}"
-        axes = {name: f"{name} / {file.range[name].unit}" for name in varied}
+        label = f"{coefficient.symbol} / {unit_shown(coefficient.unit)}"
+        axes = {name: f"{name} / {unit_shown(file.range[name].unit)}" for name in varied}
         for x, y in itertools.combinations(varied, 2):
             surface = level(index, {x: ranges[x][None, :], y: ranges[y][:, None]})
             title = f"{coefficient.symbol}({x}, {y})"

@@ -53,7 +53,7 @@ def steps_picture(plan: BandPlan) -> go.Figure:
     )  # fmt: skip
     figure.update_xaxes(type="category")
     figure.update_yaxes(title_text=f"peak at {plan.point} / mm")
-    return styled(figure, f"{plan.per_cent:g} % band of the peak at {plan.point}", height=340)
+    return styled(figure, f"{plan.per_cent:g}% band of the peak at {plan.point}", height=340)
 
 
 def map_picture(one: Map, tests: tuple[NextLoopTest, ...]) -> go.Figure:
@@ -68,7 +68,7 @@ def map_picture(one: Map, tests: tuple[NextLoopTest, ...]) -> go.Figure:
             x=f, y=A, z=100 * left, colorscale="Blues_r", connectgaps=False, line={"color": GRID},
             contours={"showlabels": True, "labelfont": {"size": 11}},
             colorbar={"title": {"text": "left / %"}},
-            hovertemplate="%{y:.3g} mm, %{x:.3g} Hz: %{z:.3g} % left<extra></extra>",
+            hovertemplate="%{y:.3g} mm, %{x:.3g} Hz: %{z:.3g}% left<extra></extra>",
         )
     )  # fmt: skip
     (A_low, A_high), (f_low, f_high) = one.tested["A"], one.tested["f"]

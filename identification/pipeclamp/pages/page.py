@@ -10,7 +10,7 @@ from functools import lru_cache
 from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jinja2
 import plotly.graph_objects as go
@@ -20,6 +20,9 @@ from pipeclamp.show.report_name import refuse_report_name
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_system.description.trust_mark import DOUBT
+
+if TYPE_CHECKING:
+    from pipeclamp_models.realise.reading.text import Statement
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 INK, GRID = "#1f2933", "#e4e7eb"
@@ -54,6 +57,7 @@ class Section:
         command: the shell line to run next, ready to be copied.
         explorer: runs to be picked and drawn, as `explored` gives them.
         cards: words with a picture each.
+        formulas: shown before the sentences, which may say what stands in them.
     """
 
     title: str
@@ -63,6 +67,7 @@ class Section:
     command: str = ""
     explorer: Mapping[str, Any] | None = None
     cards: Sequence[Card] = ()
+    formulas: Sequence[Statement] = ()
 
 
 TICKS = [digit * 10.0**power for power in range(-6, 9) for digit in (1, 2, 5)]

@@ -162,7 +162,9 @@ def law_alone_page(file: LawFile, steps: int = 1) -> list[Section]:
     words = [
         *([f"Against its own data: {fit_words(file.fit)}."] if file.fit else []), *([f"{vain}."] if vain else [])
     ]  # fmt: skip
-    return [Section("Answer", words, figures=_falling(file, ())), *law_sections(file)]
+    figures = _falling(file, ())
+    answer = [Section("Answer", words, figures=figures)] if words or figures else []
+    return [*answer, *law_sections(file)]
 
 
 def metrics_page(tests: Tests, next_command: str = "") -> list[Section]:

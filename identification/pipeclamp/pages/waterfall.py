@@ -111,7 +111,7 @@ def _side_by_side(rungs: Sequence[RungBars], scatter: float | None, title: str, 
     if scatter is not None:
         figure.add_hline(
             y=100 * scatter, line={"color": MODEL, "dash": "dash"},
-            annotation={"text": f"scatter<br>{100 * scatter:.2g} %", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
+            annotation={"text": f"scatter<br>{100 * scatter:.2g}%", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
         )  # fmt: skip
     figure.update_xaxes(tickangle=0, type="category")
     figure.update_yaxes(title_text=axis, rangemode="tozero")
@@ -151,7 +151,7 @@ def _below_each_other(rungs: Sequence[RungBars], scatter: float | None, title: s
     if scatter is not None:
         figure.add_vline(
             x=100 * scatter, line={"color": MODEL, "dash": "dash"},
-            annotation={"text": f"scatter {100 * scatter:.2g} %", "y": 1.0, "yanchor": "bottom", "xanchor": "left"},
+            annotation={"text": f"scatter {100 * scatter:.2g}%", "y": 1.0, "yanchor": "bottom", "xanchor": "left"},
         )  # fmt: skip
     figure.update_yaxes(range=[below - 0.5, -0.7], visible=False)
     legend = 20 * len(names)

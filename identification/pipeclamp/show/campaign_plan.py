@@ -64,7 +64,7 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
     temperatures = sorted({run.temperature_C for run in plan.runs})
     levels = [
         f"{', '.join(f'{value:g}' for value in sorted({getattr(run, name) for run in plan.runs}))} {unit}"
-        for name, unit in (("amplitude_mm", "mm"), ("frequency_Hz", "Hz"), ("temperature_C", "degC"))
+        for name, unit in (("amplitude_mm", "mm"), ("frequency_Hz", "Hz"), ("temperature_C", "°C"))
     ]
     often = "once" if plan.repeats == 1 else f"{plan.repeats} times"
     lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]

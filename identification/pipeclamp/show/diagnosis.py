@@ -28,7 +28,7 @@ def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
     errors = {"A, f": (law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= {name: (error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
     worse = (
-        f"on left-out {name} the error rises from {before:.2%} to {after:.2%}"
+        f"on left-out {name} the estimated error rises from {before:.2%} to {after:.2%}"
         for name, (before, after) in errors.items()
         if after > WORSE * before
     )

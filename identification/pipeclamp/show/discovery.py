@@ -7,6 +7,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.grammar import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
 from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_models.base.units import unit_shown
 
 RIVALS_SHOWN = 5
 READ_AS = {SIGN_Y: "sign(y)", SIGN_V: "sign(v)", SIZE_Y: "|y|", SIZE_V: "|v|"}
@@ -28,7 +29,8 @@ def numbers_words(proposal: TermProposal) -> str:
 def _number_words(number: NumberAnswer) -> str:
     error = "" if number.standard_error is None else f" ± {one_digit(number.standard_error)}"
     where = " (at its bound)" if number.at_bound else ""
-    return f"{number.meaning} {number.value:.3g}{error}{'' if number.unit == '-' else f' {number.unit}'}{where}"
+    unit = "" if number.unit == "-" else f" {unit_shown(number.unit)}"
+    return f"{number.meaning} {number.value:.3g}{error}{unit}{where}"
 
 
 def discovery_words(proposal: TermProposal) -> list[str]:

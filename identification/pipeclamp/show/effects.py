@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from pipeclamp.show.table import Table
 from pipeclamp_identification.signals.digits import plain
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
@@ -34,7 +35,8 @@ def overview(effects: Iterable[Effect]) -> Table:
 def parameter_table(effect: Effect, sizes: Sizes) -> Table:
     """Give an effect's parameters: bounds and typical sizes for loops of these sizes."""
     rows = [
-        (one.name, one.unit, one.meaning, _bounds(one, sizes), number_of(one.size, sizes)) for one in effect.parameters
+        (one.name, unit_shown(one.unit), one.meaning, _bounds(one, sizes), number_of(one.size, sizes))
+        for one in effect.parameters
     ]
     return Table(("parameter", "unit", "meaning", "bounds", "typical"), rows)
 
@@ -50,8 +52,8 @@ def _bounds(parameter: Parameter, sizes: Sizes) -> str:
 
 def symbol_table(effect: Effect) -> Table:
     """Give what an effect's equations use besides its parameters."""
-    rows = [(str(state.symbol), state.unit, f"state: {state.meaning}") for state in effect.states]
-    rows += [(str(signal.symbol), signal.unit, signal.meaning) for signal in symbols_of(effect)]
+    rows = [(str(state.symbol), unit_shown(state.unit), f"state: {state.meaning}") for state in effect.states]
+    rows += [(str(signal.symbol), unit_shown(signal.unit), signal.meaning) for signal in symbols_of(effect)]
     return Table(("symbol", "unit", "meaning"), rows)
 
 
@@ -95,7 +97,7 @@ def headline(effect: Effect) -> str:
 def truth_table(truth: Truth) -> Table:
     """Give the parameters of a virtual clamp that its law's file doesn't state, with where each value is from."""
     rows = [
-        (one.name, one.unit, truth.law.values[one.name], truth.whence[one.name], one.meaning)
+        (one.name, unit_shown(one.unit), truth.law.values[one.name], truth.whence[one.name], one.meaning)
         for one in truth.law.equations.parameters
         if one.name in truth.whence
     ]

@@ -5,21 +5,22 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from functools import singledispatch
 
+from pipeclamp.show.metrics import STORED_AND_LOST, stored_and_lost
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
-from pipeclamp_identification.importing.answer import Found, ImportAnswer
+from pipeclamp_identification.importing.answer import ImportAnswer, ImportedCampaign
+from pipeclamp_identification.importing.records.imported import ImportedRecords
+from pipeclamp_identification.importing.results.imported import ImportedResults
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.shell import quoted, shell_line
 
-if TYPE_CHECKING:
-    from pipeclamp_identification.importing.results.found import FoundResults
-
 MOST_NAMED = 3
+KNOWN_BY = {"run": "", "test": ", known by stiffness and loss, without a record"}
 MOST_SHOWN = 60
 """Runs that a terminal shows; thousands would only scroll by."""
 
@@ -45,8 +46,20 @@ def _named(names: list[str]) -> str:
     return ", ".join(names[:MOST_NAMED]) + more
 
 
-def imported_runs_table(answer: ImportAnswer, *, new_only: bool = False) -> Table:
-    """Give every run with what was measured of it, and what was done to it; or the first of the new ones alone."""
+@singledispatch
+def imported_table(found: ImportedCampaign, answer: ImportAnswer, *, new_only: bool = False) -> Table:
+    """Give every test of a campaign with what is known of it; or the first of the new ones alone.
+
+    Args:
+        found: of records: what was measured of each run, and what was done to it; of results: its stiffness and loss.
+        answer: `found.answer()`.
+        new_only: whether to give the new ones alone.
+    """
+    raise NotImplementedError(type(found))
+
+
+@imported_table.register
+def _(found: ImportedRecords, answer: ImportAnswer, *, new_only: bool = False) -> Table:
     runs = [run for run in answer.runs if run.new] if new_only else answer.runs
     shown = runs[:MOST_SHOWN] if new_only else runs
     rows = [
@@ -58,6 +71,22 @@ def imported_runs_table(answer: ImportAnswer, *, new_only: bool = False) -> Tabl
     ]  # fmt: skip
     caption = f"the first {len(shown)} of {len(runs)} runs; the page holds all" if len(shown) < len(runs) else ""
     return Table(("run", "file", "A / mm", "f / Hz", "T / °C", "cycles", "done to it"), rows, caption)
+
+
+@imported_table.register
+def _(found: ImportedResults, answer: ImportAnswer, *, new_only: bool = False) -> Table:
+    sources = {run.run: run.file for run in answer.runs}
+    runs = [run for run in found.campaign.runs if run.name in found.new or not new_only]
+    shown = runs[:MOST_SHOWN] if new_only else runs
+    rows = [
+        (
+            run.name, sources.get(run.name), run.amplitude_mm, run.frequency_Hz, run.setup.temperature_C,
+            *stored_and_lost(run),
+        )
+        for run in shown
+    ]  # fmt: skip
+    more = f"the first {len(shown)} of {len(runs)} tests; the page holds all" if len(shown) < len(runs) else ""
+    return Table(("run", "file", "A / mm", "f / Hz", "T / °C", *STORED_AND_LOST), rows, more)
 
 
 def cut_table(answer: ImportAnswer) -> Table:
@@ -74,9 +103,8 @@ def left_out_table(answer: ImportAnswer) -> Table:
     return Table(("file", "left out because"), [(one.file, one.why) for one in answer.left_out_files])
 
 
-def import_lines(found: Found | FoundResults, answer: ImportAnswer, called: Sequence[str] = ()) -> list[str]:
+def import_lines(found: ImportedCampaign, answer: ImportAnswer, called: Sequence[str] = ()) -> list[str]:
     """Say what was written, and what to know of it; `called` are the command's words, so that it can be said anew."""
-    new = sum(run.new for run in answer.runs)
     done = "" if found.written else " (nothing is written)"
     if not answer.new_files:
         head = (
@@ -85,14 +113,13 @@ def import_lines(found: Found | FoundResults, answer: ImportAnswer, called: Sequ
         )
     else:
         files = counted(len(answer.new_files), "file")
-        what = counted(new, "run") if isinstance(found, Found) else counted(new, "test")
-        how = "" if isinstance(found, Found) else ", known by stiffness and loss, without a record"
-        head = f"{found.folder}: {what} of {files}{how}{_known(answer)}{done}"
+        new = counted(sum(run.new for run in answer.runs), found.thing)
+        head = f"{found.folder}: {new} of {files}{KNOWN_BY[found.thing]}{_known(answer)}{done}"
     lines = [head]
     if answer.left_out_files:
         count = len(answer.left_out_files)
         lines.append(f"{counted(count, 'file')} left out, for {'it' if count == 1 else 'they'} can't be used")
-    if answer.cut and isinstance(found, Found):
+    if answer.cut and found.thing == "run":  # of rows of results, notes say it
         why = Counter(one.why for one in answer.cut)
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
@@ -108,20 +135,19 @@ def import_lines(found: Found | FoundResults, answer: ImportAnswer, called: Sequ
             f"{quoted(answer.pattern, always=True)}"
         )
     if unknown := _without_temperature(answer):
+        some = _counted_of(len(unknown), len(answer.runs), found.thing)
         lines.append(
-            f"no temperature is known of {_counted_of(len(unknown), answer.runs, found)}: state it in runs.csv, or by "
-            "--pattern or --conditions when importing"
+            f"no temperature is known of {some}: state it in runs.csv, or by --pattern or --conditions when importing"
         )
     return lines
 
 
-def following_import(found: Found | FoundResults, answer: ImportAnswer, called: Sequence[str] = ()) -> str:
+def following_import(found: ImportedCampaign, answer: ImportAnswer, called: Sequence[str] = ()) -> str:
     """Give the shell line to run after an import, empty where there is none; `called` as for `import_lines`."""
     if _names_are_needed(answer):
         return again_with_pattern(found, answer, called) if called else ""
     is_there = found.written or not answer.new_files
-    serves = any(run.cycles for run in answer.runs) if isinstance(found, Found) else bool(found.campaign.runs)
-    return after_import(str(found.folder)) if is_there and serves else ""
+    return after_import(str(found.folder)) if is_there and found.serves else ""
 
 
 def _names_are_needed(answer: ImportAnswer) -> bool:
@@ -142,7 +168,7 @@ def _without_temperature(answer: ImportAnswer) -> list[str]:
     return [run.run for run in answer.runs if run.temperature_C is None and run.run not in lost]
 
 
-def again_with_pattern(found: Found | FoundResults, answer: ImportAnswer, called: Sequence[str]) -> str:
+def again_with_pattern(found: ImportedCampaign, answer: ImportAnswer, called: Sequence[str]) -> str:
     """Give the command once more, with the pattern; what has been written stays, so it goes into another folder."""
     words = [word for word in called if word != "--dry-run"]
     if found.written:
@@ -153,8 +179,7 @@ def again_with_pattern(found: Found | FoundResults, answer: ImportAnswer, called
     return shell_line(*words, "--pattern", answer.pattern)
 
 
-def _counted_of(some: int, runs: Sequence[object], found: Found | FoundResults) -> str:
-    what, count = "run" if isinstance(found, Found) else "test", len(runs)
+def _counted_of(some: int, count: int, what: str) -> str:
     return counted(count, what) if some == count else f"{some} of {count} {what}s"
 
 
@@ -163,31 +188,9 @@ def _known(answer: ImportAnswer) -> str:
     return f", {count} more files were there already" if count else ""
 
 
-def import_view(found: Found | FoundResults, called: Sequence[str] = ()) -> View:
+def import_view(found: ImportedCampaign, called: Sequence[str] = ()) -> View:
     """Give an import's answer, tables and lines; `called` as for `import_lines`."""
     answer = found.answer()
-    if isinstance(found, Found):
-        runs = imported_runs_table(answer, new_only=True)
-    else:
-        runs = imported_tests_table(found, answer, new_only=True)
-    tables = [columns_table(found.files), runs] if found.files else []
+    tables = [columns_table(found.files), imported_table(found, answer, new_only=True)] if found.files else []
     following = following_import(found, answer, called)
     return View(answer, tables, [*import_lines(found, answer, called), *([f"Next: {following}"] if following else [])])
-
-
-def imported_tests_table(found: FoundResults, answer: ImportAnswer, *, new_only: bool = False) -> Table:
-    """Give every test that can be used with its stiffness and loss; or the first of the new ones alone."""
-    from pipeclamp.show.metrics import STORED_AND_LOST, stored_and_lost
-
-    sources = {run.run: run.file for run in answer.runs}
-    runs = [run for run in found.campaign.runs if run.name in found.new or not new_only]
-    shown = runs[:MOST_SHOWN] if new_only else runs
-    rows = [
-        (
-            run.name, sources.get(run.name), run.amplitude_mm, run.frequency_Hz, run.temperature_C,
-            *stored_and_lost(run),
-        )
-        for run in shown
-    ]  # fmt: skip
-    more = f"the first {len(shown)} of {len(runs)} tests; the page holds all" if len(shown) < len(runs) else ""
-    return Table(("run", "file", "A / mm", "f / Hz", "T / °C", *STORED_AND_LOST), rows, more)

@@ -11,6 +11,7 @@ from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD, LawChange
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 from pipeclamp_models.law.step import read_step
@@ -28,7 +29,7 @@ def coefficient_table(file: LawFile) -> Table:
             name,
             value_shown(entry, outlines.get(name)),
             entry.standard_error,
-            entry.unit,
+            unit_shown(entry.unit),
             entry.state,
             entry.reason or entry.meaning or meanings[name],
         )
@@ -120,7 +121,7 @@ def parameters_table(files: Sequence[LawFile]) -> Table:
     for name in names:
         entries = [law.coefficients.get(name) for law in files]
         shown = (_shown(entry, known.get(name)) for entry, known in zip(entries, outlines, strict=True))
-        rows.append((name, next(entry.unit for entry in entries if entry), *shown))
+        rows.append((name, unit_shown(next(entry.unit for entry in entries if entry)), *shown))
     return Table(("parameter", "unit", *labels_of(files)), rows, "value ± standard error")
 
 
@@ -130,7 +131,7 @@ def stages_table(file: LawFile) -> Table | None:
     if not steps:
         return None
     names = dict.fromkeys([*(name for _, values in steps for name in values), *file.coefficients])
-    units = {name: entry.unit for name, entry in file.coefficients.items()}
+    units = {name: unit_shown(entry.unit) for name, entry in file.coefficients.items()}
     outlines = outlines_of(file)
     now = {name: value_shown(entry, outlines.get(name)) for name, entry in file.coefficients.items()}
     rows = [(name, units.get(name, ""), *(values.get(name) for _, values in steps), now.get(name)) for name in names]
@@ -150,7 +151,7 @@ def change_table(change: LawChange) -> Table:
     scatter = None if change.noise_nrmse is None else 100 * change.noise_nrmse
     rows: list[Sequence[str | float | None]] = [
         ("error on the runs used / %", 100 * change.nrmse.before, 100 * change.nrmse.after),
-        ("error on left-out conditions / %", 100 * change.heldout.before, 100 * change.heldout.after),
+        ("error on left-out conditions, by refits / %", 100 * change.heldout.before, 100 * change.heldout.after),
         ("scatter that no law explains / %", scatter, scatter),
     ]
     before, after = change.before.coefficients, change.after.coefficients
@@ -158,7 +159,7 @@ def change_table(change: LawChange) -> Table:
     moved = [name for name in names if _moved(before.get(name), after.get(name))]
     outlines = [outlines_of(law) for law in (change.before, change.after)]
     for name in moved:
-        unit = (after.get(name) or before[name]).unit
+        unit = unit_shown((after.get(name) or before[name]).unit)
         values = (
             value_shown(law[name], known.get(name)) if name in law else None
             for law, known in zip((before, after), outlines, strict=True)

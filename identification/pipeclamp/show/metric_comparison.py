@@ -21,7 +21,7 @@ def metric_worst_table(comparison: MetricComparison, most: int | None = None) ->
         run, (dissipated, elastic) = comparison.campaign.runs[row], comparison.logs[row]
         rows.append(
             (
-                run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, 100 * float(dissipated),
+                run.name, run.amplitude_mm, run.frequency_Hz, run.setup.temperature_C, 100 * float(dissipated),
                 100 * float(elastic), *outside_cell(comparison.outside, run.name),
             )
         )  # fmt: skip

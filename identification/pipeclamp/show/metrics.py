@@ -27,7 +27,7 @@ def metric_table(campaign: MetricCampaign, most: int | None = None) -> Table:
     """Give a campaign of metrics as a table, or the first `most` runs of it."""
     rows = [
         (
-            run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.dissipated_energy_J,
+            run.name, run.amplitude_mm, run.frequency_Hz, run.setup.temperature_C, run.dissipated_energy_J,
             run.max_elastic_energy_J, run.loss_factor, run.stiffness,
         )
         for run in campaign.runs[:most]
@@ -182,12 +182,15 @@ def _known(value: float) -> float | None:
 def metrics_view(campaign: Campaign, loops: Loops) -> View:
     """Tell the metrics of records' loops: a table for each quantity that varies."""
     metrics = metrics_of(loops)
-    tables = [study_table(study, metrics) for study in principal_variations(variations_of(campaign, loops))]
+    studies = principal_variations(variations_of(campaign, loops))
+    tables = [study_table(study, metrics) for study in studies]
+    shown = {row for study in studies for row in study.rows}
     lines = (metrics_words(metrics), MEANINGS)
-    return View(metrics_answer(campaign, loops), tables, lines)
+    return View(metrics_answer(campaign, loops), tables, lines, whole=len(shown) == len(campaign.runs))
 
 
 def metric_rows_view(campaign: MetricCampaign) -> View:
     """Tell metrics that were stated without records."""
     lines = (metric_campaign_words(campaign), f"They are known by metrics alone, without records. {MEANINGS_STATED}")
-    return View(metric_rows_answer(campaign), [metric_table(campaign, MOST_SHOWN)], lines)
+    tables = [metric_table(campaign, MOST_SHOWN)]
+    return View(metric_rows_answer(campaign), tables, lines, whole=len(campaign.runs) <= MOST_SHOWN)

@@ -39,9 +39,7 @@ def tests_table(plan: BandPlan) -> Table:
              test.frequency.low, test.frequency.high)
         )  # fmt: skip
     rows.append(("at best", None, None, None, *_ends(plan.floor, before.amplitude), None, None))
-    return Table(
-        header, rows, f"{plan.per_cent:g} % band of the peak at {plan.point}, each test {RUNS_OF_A_TEST} times"
-    )
+    return Table(header, rows, f"{plan.per_cent:g}% band of the peak at {plan.point}, each test {RUNS_OF_A_TEST} times")
 
 
 def _ends(band: Band, before: Band) -> tuple[float, float, str]:

@@ -17,8 +17,10 @@ class View:
         answer: for --json and for Python.
         tables: printed.
         lines: printed after them, most important first.
+        whole: whether the tables hold every run.
     """
 
     answer: AnswerModel
     tables: Sequence[Table]
     lines: Sequence[str]
+    whole: bool = True

@@ -45,17 +45,15 @@ class Cell:
         """What stands in the cell."""
         if self.excess is not None:
             return f"{self.excess:.1f}" if self.excess < 9.95 else f"{self.excess:.0f}"
-        return "" if self.error is None else f"{100 * self.error:.2g} %"
+        return "" if self.error is None else f"{100 * self.error:.2g}%"
 
     @property
     def words(self) -> str:
         """What a pointer or a screen reader is told."""
         if self.error is None:
             return ""
-        errs = f"error {100 * self.error:.3g} %"
-        return (
-            errs if self.scatter is None else f"{errs}, scatter {100 * self.scatter:.2g} %, {self.text} times as much"
-        )
+        errs = f"error {100 * self.error:.3g}%"
+        return errs if self.scatter is None else f"{errs}, scatter {100 * self.scatter:.2g}%, {self.text} times as much"
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.fitting.misfit import RunMisfit, loop_of_run
 from pipeclamp_identification.loops.loops import displacement_on_grid
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
@@ -88,9 +89,9 @@ def _conditions(run: OneRun) -> dict[str, Any]:
         "density / g/cm³": loop.density_g_cm3,
         **loop.conditions,
     }
-    shown: dict[str, Any] = {name: float(f"{value:.4g}") for name, value in known.items() if math.isfinite(value)}
+    shown: dict[str, Any] = {name: rounded_to(value, 4) for name, value in known.items() if math.isfinite(value)}
     return {**shown, **{name: text for name, text in loop.labels.items() if text}}
 
 
 def _numbers(values: Array) -> list[float]:
-    return [float(f"{value:.{PICTURE_DIGITS}g}") for value in values.tolist()]
+    return [rounded_to(value, PICTURE_DIGITS) for value in values.tolist()]

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.errors import UserError
@@ -141,7 +142,7 @@ def _quoted(text: str) -> str:
 
 def _short(value: float) -> float:
     """Give a number with three digits, as a person would write it."""
-    return float(f"{value:.3g}")
+    return rounded_to(value, 3)
 
 
 def respond(

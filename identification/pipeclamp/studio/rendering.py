@@ -149,7 +149,7 @@ def page(template: str, **content: Any) -> str:
 def _environment() -> jinja2.Environment:
     environment = templates_of("pipeclamp.studio")
     environment.filters["cell"] = cell
-    environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
+    environment.filters["percent"] = lambda value: f"{value:.2f}%" if value >= 0.995 else f"{value:.2g}%"
     environment.filters["sentence"] = sentence
     environment.filters["one_digit"] = one_digit
     environment.filters["named"] = commands.effects_said

@@ -50,8 +50,6 @@ MEDIA = {
 SERVED = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 """Types of the studio's own files."""
 
-Endpoint = Callable[[Request], Response]
-
 
 def most_bytes(path: str) -> int:
     """Give the size that a request to a path may have."""

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from pipeclamp.studio.told import ToldCandidate
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.law.file import LawFile, structure_of
 from pipeclamp_models.law.outline import NumberOrExpression, ParameterOutline
 
@@ -50,7 +51,7 @@ def _slider(parameter: ParameterOutline, value: float, error: float | None) -> S
     reach = max(abs(value), MOST_ERRORS * (error or 0.0)) or 1.0
     low = max(value - reach, _bound(parameter.lower, -math.inf))
     high = min(value + reach, _bound(parameter.upper, math.inf))
-    return Slider(parameter.name, value, low, high, parameter.unit, parameter.meaning, error)
+    return Slider(parameter.name, value, low, high, unit_shown(parameter.unit), parameter.meaning, error)
 
 
 def _bound(bound: NumberOrExpression, otherwise: float) -> float:

@@ -13,6 +13,7 @@ from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import spare_cores
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, NamedKind, Provenance, law_text, read_law
+from pipeclamp_models.law.law import Structure
 
 if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str) -> dict[str, Any]:
     """Fit a law to all runs and write it."""
     tests = _tests(tell, campaign)
-    found = tests.identify(base=base, progress=tell)
+    found = tests.identify(Structure(base), progress=tell)
     return _written(found.file(name=tests.name, provenance=Provenance(command, now())), law)
 
 
@@ -32,8 +33,9 @@ def add(
     from pipeclamp_identification.workflow.change import add_effects
 
     tests = _tests(tell, campaign)
-    given: dict[str, Any] = {"provenance": Provenance(command, now()), "kind": kind, "progress": tell}
-    steps = add_effects(read_law(Path(of)), effect.split(","), tests, **given)
+    steps = add_effects(
+        read_law(Path(of)), effect.split(","), tests, provenance=Provenance(command, now()), kind=kind, progress=tell
+    )
     return _written(steps[-1].after, law)
 
 

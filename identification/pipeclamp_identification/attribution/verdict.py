@@ -33,7 +33,7 @@ from pipeclamp_identification.attribution.suspects import suspects_of, with_moun
 from pipeclamp_identification.attribution.task import RefitTask, task_of
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import NamedKind
 
 PipeVerdict = Literal["complete", "wrong", "ambiguous", "unknown"]
@@ -158,7 +158,7 @@ class Attribution:
         return tuple({suspect.id: suspect for entry in self.named for suspect in entry.suspects}.values())
 
 
-def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribution | None:
+def attribute(compared: Compared, tell: Progress = silent) -> Attribution | None:
     """Find out which parameter of a coupled model is wrong; None where too little was measured to ask.
 
     Args:

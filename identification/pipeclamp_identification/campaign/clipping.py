@@ -78,7 +78,7 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
                 continue
             raise SensorFailure(
                 f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row "
-                f"({100 * alike / per_cycle:.0f} % of a cycle)",
+                f"({100 * alike / per_cycle:.0f}% of a cycle)",
                 channel, "clipped", float(extreme), CHANNEL_UNITS[channel],
             )  # fmt: skip
 

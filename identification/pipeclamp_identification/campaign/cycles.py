@@ -205,7 +205,7 @@ def _require_vibration(y: Array, frequency: float, rest: float) -> None:
         what = "no sine in it" if wanders else "constant displacement but for noise or drift"
         raise UnusableRecord(
             f"{what}: it stays within {size:.3g} mm, and of the sine of "
-            f"{frequency:.4g} Hz that fits it best {100 * rest:.0f} % of the amplitude is left over"
+            f"{frequency:.4g} Hz that fits it best {100 * rest:.0f}% of the amplitude is left over"
         )
 
 

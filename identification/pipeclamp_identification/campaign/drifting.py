@@ -345,7 +345,7 @@ def _fault(
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
     shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"
     if kind == "gain_drift":
-        words = _gain_words(channel, f"by {size:+.2%} (standard error {100 * error:.1g} %) {where}", done)
+        words = _gain_words(channel, f"by {size:+.2%} (standard error {100 * error:.1g}%) {where}", done)
     elif done == "kept":
         words = _zero_or_mean_words(f"{shown} {where}")
     elif channel == "force" and _grows_with_amplitude(sizes, runs):

@@ -114,7 +114,7 @@ def _over_runs(
         unit, done = "share", "kept"
         words = (
             f"the gain of the {channel} channel drifts from run to run: by {size:+.2%} (standard error "
-            f"{100 * error:.1g} %) from the first run to the last {order}, alike conditions given, stiffness and "
+            f"{100 * error:.1g}%) from the first run to the last {order}, alike conditions given, stiffness and "
             "damping in one ratio; they are kept, so that what is said of physics may be this fault's; to do: "
             "calibrate it, and repeat a first run last"
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES_PER_CYCLE, W
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.plausibility import Fundamental
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.signals.smooth_motion import SmoothMotion, smooth_motion
 from pipeclamp_models.base.arrays import Array
 
@@ -29,14 +29,10 @@ REST_VELOCITY_SHARE = 0.1
 
 @dataclass(frozen=True)
 class FreeRun:
-    """One usable run of free motion: what was set (None where not known), its samples, and their motion."""
+    """One usable run of free motion: its samples, and their motion."""
 
     name: str
-    specimen: str | None
-    temperature_C: float | None
-    density_g_cm3: float | None
-    first_cycle: float
-    conditions: Mapping[str, float]
+    setup: Setup
     record: Record
     motion: SmoothMotion
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -116,7 +115,7 @@ def _stated(row: RunRow, seen: SeenSine) -> ShownRun:
         run=row.run,
         amplitude_mm=StatedAndShown(row.amplitude_mm, seen.shown.amplitude_mm),
         frequency_Hz=StatedAndShown(row.frequency_Hz, seen.cycles.frequency_Hz),
-        temperature_C=StatedAndShown(row.temperature_C, seen.temperature_C),
+        temperature_C=StatedAndShown(row.setup.temperature_C, seen.temperature_C),
         stiffness=abs(seen.shown.stiffness),
         step_s=seen.step_s,
     )
@@ -124,15 +123,7 @@ def _stated(row: RunRow, seen: SeenSine) -> ShownRun:
 
 def _observed(row: RunRow, seen: SeenSine) -> Observed:
     """Give a run as its sensors show it."""
-    density = math.nan if row.density_g_cm3 is None else row.density_g_cm3
-    return Observed(
-        name=row.run,
-        nominal_mm=row.amplitude_mm,
-        temperature_C=row.temperature_C,
-        further={"density_g_cm3": density, **row.conditions},
-        labels=row.texts,
-        seen=seen,
-    )
+    return Observed(name=row.run, nominal_mm=row.amplitude_mm, setup=row.setup, seen=seen)
 
 
 def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, NominalSettings], tuple[str, ...]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -18,7 +17,7 @@ from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.judging import JudgedRuns, judge_runs
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples, read_record
-from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
+from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, Setup, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenRecord, seen_free, seen_sine
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
 from pipeclamp_models.base.errors import UserError
@@ -32,31 +31,21 @@ BYTES_OF_A_NUMBER = 8
 
 @dataclass(frozen=True)
 class Run:
-    """One usable run: what was set (None where not known), its samples and its steady cycles; labels by column.
+    """One usable run: the motion that was set (None where not known), its samples and its steady cycles.
 
     Where a zero drifted, the drift is taken off the samples, but nobody knows where it stood: `mean_known` is False,
     and the mean force says nothing.
     """
 
     name: str
-    specimen: str | None
+    setup: Setup
     amplitude_mm: float | None
     frequency_Hz: float | None
-    temperature_C: float | None
-    density_g_cm3: float | None
-    first_cycle: float
-    conditions: Mapping[str, float]
     record: Record
     cycles: Cycles
     mean_known: bool = True
-    labels: Mapping[str, str] = field(default_factory=dict)
     file: str = ""
     """Its record, relative to the campaign's folder."""
-
-    @property
-    def texts(self) -> dict[str, str]:
-        """Texts that may group runs, by column of runs.csv, the specimen among them; blank where there is none."""
-        return {"specimen": self.specimen or "", **self.labels}
 
 
 @dataclass(frozen=True)
@@ -234,32 +223,10 @@ def checked_run(row: RunRow, record: Record, *, time_measured: bool = True) -> R
     try:
         check_samples(record)
         if row.free:
-            return FreeRun(
-                name=row.run,
-                specimen=row.specimen,
-                temperature_C=row.temperature_C,
-                density_g_cm3=row.density_g_cm3,
-                first_cycle=row.first_cycle,
-                conditions=row.conditions,
-                record=record,
-                motion=free_motion(record),
-            )
+            return FreeRun(row.run, row.setup, record, free_motion(record))
         cycles = find_cycles(record)
         if time_measured:  # a sensor is clipped where it enters its end at speed
             check_clipping(record, cycles)
     except UnusableRecord as fault:
         return LeftOut(row.run, str(fault), fault if isinstance(fault, SensorFailure) else None)
-    return Run(
-        name=row.run,
-        specimen=row.specimen,
-        amplitude_mm=row.amplitude_mm,
-        frequency_Hz=row.frequency_Hz,
-        temperature_C=row.temperature_C,
-        density_g_cm3=row.density_g_cm3,
-        first_cycle=row.first_cycle,
-        conditions=row.conditions,
-        record=record,
-        cycles=cycles,
-        labels=row.labels,
-        file=row.file,
-    )
+    return Run(row.run, row.setup, row.amplitude_mm, row.frequency_Hz, record, cycles, file=row.file)

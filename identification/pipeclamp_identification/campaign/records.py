@@ -129,7 +129,7 @@ def check_samples(record: Record, row: Callable[[int], int] = lambda sample: sam
         cold = np.flatnonzero((record.temperature_C <= -CELSIUS) | (record.temperature_C > LARGEST_VALUE))
         if len(cold):
             raise UnusableRecord(
-                f"impossible samples: temperature_C is {record.temperature_C[cold[0]]:g} degC in row "
+                f"impossible samples: temperature_C is {record.temperature_C[cold[0]]:g} °C in row "
                 f"{row(int(cold[0]))}; expected above {-CELSIUS:g}"
             )
     back = np.flatnonzero(np.diff(record.time_s) < 0.0)

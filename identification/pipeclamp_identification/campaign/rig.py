@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign.drive import Drive, Kinematics, ramped, t
 from pipeclamp_identification.campaign.plausibility import fundamental_of
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.campaign.writing import WrittenRun
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base import signals
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
@@ -126,7 +127,7 @@ class TestPlan:
                     raise UsageError(f"test plan: {name} is {value:g}; expected a number above 0")
         for value in self.temperatures:
             if not (np.isfinite(value) and value > -CELSIUS):
-                raise UsageError(f"test plan: temperature is {value:g} degC; expected a number above {-CELSIUS:g}")
+                raise UsageError(f"test plan: temperature is {value:g} °C; expected a number above {-CELSIUS:g}")
         if not self.cycles >= 1:
             raise UsageError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
         if self.repeats < 1:
@@ -176,7 +177,7 @@ def driven(plan: TestPlan, drive: Drive) -> TestPlan:
         raise UserError(f"drive signal: {fault}; expected whole cycles of one frequency at full amplitude") from fault
     # nominal ones: what a record shows counts
     amplitude, frequency = (
-        float(f"{value:.3g}") for value in (fundamental_of(record, cycles).amplitude_mm, cycles.frequency_Hz)
+        rounded_to(value, 3) for value in (fundamental_of(record, cycles).amplitude_mm, cycles.frequency_Hz)
     )
     return replace(plan, amplitudes=(amplitude,), frequencies=(frequency,), drive=drive)
 

@@ -35,8 +35,8 @@ NUMBER_COLUMNS = MappingProxyType(
     {
         "amplitude_mm": "above 0 mm",
         "frequency_Hz": "above 0 Hz",
-        "temperature_C": f"above {-CELSIUS} degC",
-        "density_g_cm3": "above 0 g/cm3",
+        "temperature_C": f"above {-CELSIUS} °C",
+        "density_g_cm3": "above 0 g/cm³",
         "first_cycle": "0 or more cycles",
     }
 )
@@ -71,31 +71,56 @@ class Printed:
 
 
 @dataclass(frozen=True)
+class Setup:
+    """What was tested and under which conditions, the motion aside.
+
+    Attributes:
+        specimen: its label; None where it has none.
+        temperature_C: of the specimen; None where it isn't known.
+        density_g_cm3: of its wire mesh; None where it isn't known.
+        first_cycle: load cycles that it had seen before.
+        conditions: further numbers, by column of runs.csv; nan where one isn't known.
+        labels: further texts (operator, valve), by column of runs.csv; blank where there is none.
+    """
+
+    specimen: str | None = None
+    temperature_C: float | None = None
+    density_g_cm3: float | None = None
+    first_cycle: float = 0.0
+    conditions: Mapping[str, float] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def kelvin(self) -> float:
+        """Temperature in K, nan where it isn't known."""
+        return math.nan if self.temperature_C is None else self.temperature_C + CELSIUS
+
+    @property
+    def density(self) -> float:
+        """Density in g/cm³, nan where it isn't known."""
+        return math.nan if self.density_g_cm3 is None else self.density_g_cm3
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """Texts that may group runs, by column of runs.csv, the specimen among them; blank where there is none."""
+        return {"specimen": self.specimen or "", **self.labels}
+
+
+@dataclass(frozen=True)
 class RunRow:
     """One row of runs.csv, [defaults] filled in; None where a value isn't known.
 
     A row has a record in `file` or, where that is blank, the metrics of its loop. `free`: its motion is no sine.
-    `labels` are further texts (operator, valve), by column.
     """
 
     row: int
     run: str
     file: str
-    specimen: str | None
     amplitude_mm: float | None
     frequency_Hz: float | None
-    temperature_C: float | None
-    density_g_cm3: float | None
-    first_cycle: float
-    conditions: Mapping[str, float]
+    setup: Setup
     metrics: Mapping[str, Printed]
     free: bool = False
-    labels: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def texts(self) -> dict[str, str]:
-        """Texts that may group runs, by column, the specimen among them; blank where there is none."""
-        return {"specimen": self.specimen or "", **self.labels}
 
 
 @dataclass(frozen=True)
@@ -284,18 +309,20 @@ def _run_row(
         row=row,
         run=named["run"],
         file="" if without_record else _checked_file(path, row, named["file"]),
-        specimen=named.get("specimen") or None,
         amplitude_mm=numbers["amplitude_mm"],
         frequency_Hz=numbers["frequency_Hz"],
-        temperature_C=numbers["temperature_C"],
-        density_g_cm3=numbers["density_g_cm3"],
-        first_cycle=numbers["first_cycle"] or 0.0,
-        conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
+        setup=Setup(
+            specimen=named.get("specimen") or None,
+            temperature_C=numbers["temperature_C"],
+            density_g_cm3=numbers["density_g_cm3"],
+            first_cycle=numbers["first_cycle"] or 0.0,
+            conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
+            labels=MappingProxyType(
+                {c: cell for c, cell in named.items() if c not in known and c not in condition_columns}
+            ),
+        ),
         metrics=MappingProxyType(_metrics(path, row, named) if without_record else {}),
         free=free,
-        labels=MappingProxyType(
-            {c: cell for c, cell in named.items() if c not in known and c not in condition_columns}
-        ),
     )
 
 

@@ -14,10 +14,10 @@ from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_r
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
 from pipeclamp_identification.campaign.plausibility import SURE_STANDARD_ERRORS
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.campaign.seen import SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.units import CELSIUS
 
 DEAD_BELOW = 0.1
 """A force that the motion doesn't show in, and that stays below this share of what other runs show, is no clamp's."""
@@ -41,17 +41,13 @@ class Observed:
 
     Attributes:
         nominal_mm: stated amplitude.
-        temperature_C: stated temperature.
-        further: other numbers that were stated, nan where they aren't known.
-        labels: texts that were stated.
+        setup: what was tested.
         seen: what its record shows.
     """
 
     name: str
     nominal_mm: float | None
-    temperature_C: float | None
-    further: Mapping[str, float]
-    labels: Mapping[str, str]
+    setup: Setup
     seen: SeenSine
 
 
@@ -240,18 +236,18 @@ def _dead(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
 
 def _watched(runs: Sequence[Observed], zeros: Array) -> list[Watched]:
     """Give the runs as they are watched for drifts, their conditions by level, zeros taken off their displacement."""
-    kelvin = [np.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs]
+    further = [{"density_g_cm3": run.setup.density, **run.setup.conditions} for run in runs]
     numbers = {
         "amplitude_mm": number_levels(np.array([run.seen.shown.amplitude_mm for run in runs]), relative=SAME_SHARE),
         "frequency_Hz": number_levels(np.array([run.seen.cycles.frequency_Hz for run in runs]), relative=SAME_SHARE),
-        "temperature_C": number_levels(np.array(kelvin), absolute=SAME_KELVIN),
+        "temperature_C": number_levels(np.array([run.setup.kelvin for run in runs]), absolute=SAME_KELVIN),
         **{
-            name: number_levels(np.array([run.further[name] for run in runs]), relative=SAME_SHARE)
-            for name in runs[0].further
+            name: number_levels(np.array([values[name] for values in further]), relative=SAME_SHARE)
+            for name in further[0]
         },
     }
     labels = {name: _label_of_each(levels, len(runs)) for name, levels in numbers.items()}
-    texts = {name: [run.labels.get(name, "") for run in runs] for name in runs[0].labels}
+    texts = {name: [run.setup.texts[name] for run in runs] for name in runs[0].setup.texts}
     texts = {name: own for name, own in texts.items() if group_names(own)}
     return [
         Watched(

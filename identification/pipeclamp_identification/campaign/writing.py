@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -19,6 +20,7 @@ from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import WINDOWS_DEVICES, write_folder
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.tables import pl
 
 
@@ -41,7 +43,7 @@ def campaign_files(
     notes: str,
     runs: Iterator[WrittenRun],
     format: Format = "csv",
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = silent,
     *,
     time_measured: bool = True,
 ) -> Iterator[tuple[str, bytes]]:
@@ -58,8 +60,7 @@ def campaign_files(
         rows.append({"run": run_name, "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
         samples = run.record.channels
         yield file, encoded(pl.DataFrame(samples), format)
-        if progress:
-            progress(run_name)
+        progress(run_name)
     yield "runs.csv", encoded(pl.DataFrame(rows, infer_schema_length=None), "csv")
     yield "campaign.toml", description_text(name, notes, time_measured=time_measured).encode()
 
@@ -83,7 +84,7 @@ def write_campaign(
     name: str,
     notes: str,
     format: Format = "csv",
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = silent,
     time_measured: bool = True,
 ) -> int:
     """Write a campaign into a new folder; it appears whole or not at all.
@@ -142,11 +143,11 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 **({"motion": "free" if isinstance(run, FreeRun) else "sine"} if free else {}),
                 "amplitude_mm": None if isinstance(run, FreeRun) else run.amplitude_mm,
                 "frequency_Hz": None if isinstance(run, FreeRun) else run.frequency_Hz,
-                "temperature_C": run.temperature_C,
-                "specimen": run.specimen,
-                **({} if isinstance(run, FreeRun) else run.labels),
-                "density_g_cm3": run.density_g_cm3,
-                **{column: run.conditions[column] for column in columns},
-                "first_cycle": run.first_cycle,
+                "temperature_C": run.setup.temperature_C,
+                "specimen": run.setup.specimen,
+                **run.setup.labels,
+                "density_g_cm3": run.setup.density_g_cm3,
+                **{column: None if math.isnan(value := run.setup.conditions[column]) else value for column in columns},
+                "first_cycle": run.setup.first_cycle,
             }
             yield WrittenRun(row, run.record)

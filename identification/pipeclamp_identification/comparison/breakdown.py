@@ -351,7 +351,7 @@ def conditions_of(campaign: Campaign, loops: Loops) -> tuple[Condition, ...]:
     """Give the conditions of the tests: A, f, T, density, first cycle, further columns, specimen."""
     stated = {
         "density_g_cm3": loops.density_g_cm3,
-        "first_cycle": np.array([run.first_cycle for run in campaign.runs]),
+        "first_cycle": np.array([run.setup.first_cycle for run in campaign.runs]),
         **loops.conditions,
     }
     return (

@@ -132,8 +132,8 @@ def compare(file: LawFile, campaign: Campaign, loops: Loops | None = None) -> Co
 def _free_outside(file: LawFile, runs: Sequence[FreeRun], misfits: Sequence[FreeMisfit]) -> dict[str, str]:
     columns = {
         "T": np.array([misfit.temperature_K for misfit in misfits]),
-        "rho": np.array([math.nan if run.density_g_cm3 is None else run.density_g_cm3 for run in runs]),
-        **{name: np.array([run.conditions[name] for run in runs]) for name in runs[0].conditions},
+        "rho": np.array([run.setup.density for run in runs]),
+        **{name: np.array([run.setup.conditions[name] for run in runs]) for name in runs[0].setup.conditions},
     }
     found = outside_range(file, [run.name for run in runs], columns)
     for misfit in misfits:

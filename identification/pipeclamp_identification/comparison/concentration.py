@@ -291,7 +291,7 @@ def drift_sentence(found: Drift | None, nrmse: float) -> str | None:
     for value, name in ((found.in_phase, "in phase (stiffness)"), (found.in_quadrature, "in quadrature (damping)")):
         # a line from -d/2 to d/2 has the mean square d^2/12
         if abs(value) > DRIFT_STANDARD_ERRORS * found.standard_error and value**2 / 12 > DRIFT_SHARE * nrmse**2:
-            parts.append(f"by {100 * value:+.2g} ± {100 * found.standard_error:.1g} % of the force {name}")
+            parts.append(f"by {100 * value:+.2g} ± {100 * found.standard_error:.1g}% of the force {name}")
     if not parts:
         return None
     return f"From a record's first cycle to its last the measured force drifts against the law {' and '.join(parts)}."

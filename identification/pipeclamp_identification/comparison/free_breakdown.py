@@ -188,17 +188,17 @@ def by_free_condition(samples: Sequence[FreeSamples], condition: Condition) -> B
 
 def free_conditions(runs: Sequence[FreeRun], misfits: Sequence[FreeMisfit]) -> tuple[Condition, ...]:
     """Give what varies from run to run of free motion: the run itself, and its conditions."""
-    columns = runs[0].conditions
+    columns = runs[0].setup.conditions
     conditions = (
         Condition("run", "run", "", name_levels([run.name for run in runs]), ordered=False),
         *stated_conditions(
             np.array([misfit.temperature_K for misfit in misfits]),
             {
-                "density_g_cm3": np.array([run.density_g_cm3 or np.nan for run in runs]),
-                "first_cycle": np.array([run.first_cycle for run in runs]),
-                **{name: np.array([run.conditions[name] for run in runs]) for name in columns},
+                "density_g_cm3": np.array([run.setup.density for run in runs]),
+                "first_cycle": np.array([run.setup.first_cycle for run in runs]),
+                **{name: np.array([run.setup.conditions[name] for run in runs]) for name in columns},
             },
-            [run.specimen for run in runs],
+            [run.setup.specimen for run in runs],
         ),
     )
     return tuple(condition for condition in conditions if condition.varies)

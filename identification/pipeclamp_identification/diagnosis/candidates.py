@@ -33,6 +33,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 from pipeclamp_identification.fitting.least_squares import Fit, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import kept
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -48,9 +49,22 @@ def candidates(
     law: Judged,
     promises: Sequence[Promise],
     jobs: int,
-    tell: Callable[[str], None],
+    tell: Progress,
 ) -> tuple[list[Judged], dict[str, float]]:
-    """Fit the effects that promise something; best first, and what was screened out with its share of the best's."""
+    """Fit the effects that promise something.
+
+    Args:
+        structure: the law's structure.
+        problem: the data.
+        law: the law as it is.
+        promises: of each effect, most promising first.
+        jobs: processes; -1 for as many as there are cores.
+        tell: is told what is being done.
+
+    Returns:
+        the law with each of them, best first; and effects that were screened out, each with its share of the largest
+        promise.
+    """
     top = promises[0].gain if promises else 0.0
     ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
     worth = max(WORTH_FITTING_SHARE * top, 1e-300)
@@ -75,7 +89,7 @@ def candidates(
     return ranked(grown), left
 
 
-def _each_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Fit]:
+def _each_roughly(contenders: Sequence[Contender], problem: Problem, tell: Progress) -> list[Fit]:
     rough = []
     for each in contenders:
         tell(f"fit {' and '.join(each.effects)} roughly")
@@ -84,7 +98,7 @@ def _each_roughly(contenders: Sequence[Contender], problem: Problem, tell: Calla
 
 
 def _closely_where_worth(
-    contenders: Sequence[Contender], problem: Problem, law: Judged, tell: Callable[[str], None]
+    contenders: Sequence[Contender], problem: Problem, law: Judged, tell: Progress
 ) -> list[Contender]:
     """Fit all roughly; give where to go on from, closely where a rough fit gains much of what the best one does."""
     as_it_is = law.result.cost
@@ -122,17 +136,22 @@ def _best_by(judged: Sequence[Judged], what: Callable[[Judged], float]) -> list[
     return sorted(judged, key=what)[:MOST_PAIRED]
 
 
-def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Callable[[str], None]) -> Judged:
-    """Give a law with added effects' members as large as the data ask for: larger while each does clearly better."""
+def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Progress) -> Judged:
+    """Give a law with added effects' members as large as the data ask for: larger while each does clearly better.
+
+    Args:
+        judged: the law with the effects.
+        structure: the law without them.
+        problem: the data.
+        tell: is told what is being done.
+    """
     for place in range(len(judged.effects)):
         while (larger := _with_larger(judged, place, structure, problem, tell)) is not None:
             judged = larger
     return judged
 
 
-def _with_larger(
-    judged: Judged, place: int, structure: Structure, problem: Problem, tell: Callable[[str], None]
-) -> Judged | None:
+def _with_larger(judged: Judged, place: int, structure: Structure, problem: Problem, tell: Progress) -> Judged | None:
     """Give a law with the next larger member of one of its added effects; None where it doesn't do clearly better.
 
     Nor where the tests don't determine all of its parameters: an element that never slips only lets mean forces go.
@@ -160,7 +179,7 @@ def pairs(
     usable: Sequence[Judged],
     promises: Sequence[Promise],
     jobs: int,
-    tell: Callable[[str], None],
+    tell: Progress,
 ) -> list[Judged]:
     """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first.
 
@@ -209,7 +228,7 @@ def twins(
     problem: Problem,
     candidates: Sequence[Judged],
     jobs: int,
-    tell: Callable[[str], None],
+    tell: Progress,
 ) -> list[Judged]:
     """Fit what acts like one of two effects in its place, beside the other; give what isn't objected to, best first.
 
@@ -264,7 +283,7 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
     return contenders
 
 
-def _best_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Contender]:
+def _best_roughly(contenders: Sequence[Contender], problem: Problem, tell: Progress) -> list[Contender]:
     """Give those that do best when all are fitted roughly, from where that ended."""
     rough = _each_roughly(contenders, problem, tell)
     order = sorted(range(len(rough)), key=lambda place: rough[place].cost)[:MOST_PAIRED]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -22,7 +22,7 @@ from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import varies
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
 
@@ -203,10 +203,10 @@ def diagnosed(
     campaign: Campaign,
     loops: Loops | None = None,
     *,
-    declared: Iterable[Declaration] = (),
+    declared: Collection[Declaration] = (),
     limits: Limits | None = None,
     jobs: int = 1,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     prepared: Callable[[], Prepared] | None = None,
 ) -> RecordDiagnosed:
     """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
@@ -226,7 +226,6 @@ def diagnosed(
     Raises:
         UserError: the data can't serve the law.
     """
-    declared = tuple(declared)
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
     diagnosis = diagnose(

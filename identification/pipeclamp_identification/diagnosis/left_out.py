@@ -15,7 +15,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.fitting.least_squares import Fit
 from pipeclamp_identification.fitting.observations import mean_squares_of
-from pipeclamp_models.base.arrays import Array, IntArray
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 
 SHORTEST_STEP_SHARE = 2.0**-10
@@ -38,7 +38,13 @@ class Whitened:
 
 
 def whitened(result: Fit, observations: WhitenedObservations, factors: Array | None = None) -> Whitened:
-    """Give the whitened residuals of a fit at its solution; with factors of groups as given, or the likeliest ones."""
+    """Give the whitened residuals of a fit at its solution.
+
+    Args:
+        result: the fit, with P fitted parameters.
+        observations: R rows of m harmonic parts.
+        factors: of groups, shape (K,); the likeliest ones where None.
+    """
     slopes = observations.in_units(observations.loops.plain_slopes(result.law_force, result.places))
     residual = observations.against_noise(result.law_force)
     if factors is None:
@@ -106,7 +112,7 @@ class WithoutGroups:
             mean_squares[own] = mean_squares_of(np.where(seen[own], error, 0.0))
         return LeftOutScore(squares, mean_squares)
 
-    def _step(self, own: IntArray) -> Array:
+    def _step(self, own: BoolArray) -> Array:
         """Give how the fitted parameters would move without a group, by the linear formula, inside their bounds."""
         jacobian, scale = self.fitted.jacobian, self._scale
         J = (jacobian[own] / scale).reshape(-1, len(scale))
@@ -131,7 +137,7 @@ class WithoutGroups:
         scale = np.linalg.norm(self.fitted.jacobian, axis=(0, 1))
         return np.where(scale > 0, scale, 1.0)
 
-    def _without_factors_of(self, own: IntArray) -> tuple[Array, Array]:
+    def _without_factors_of(self, own: BoolArray) -> tuple[Array, Array]:
         """Give the step that takes out the factors of groups that stand in these runs alone, and the ways left, (P, Q).
 
         Nothing is known of such a group: it counts as the one in the middle, and so the law stands for the others.
@@ -148,7 +154,7 @@ class WithoutGroups:
         rank = int(np.sum(singular > 1e-8 * singular[0]))
         return -np.linalg.pinv(gone) @ (gone @ values), ways[rank:].T
 
-    def _evaluated(self, step: Array, own: IntArray, plain: Array) -> tuple[Array, Array]:
+    def _evaluated(self, step: Array, own: BoolArray, plain: Array) -> tuple[Array, Array]:
         """Give the whitened residuals and the plain ones of a group where its step leads, which the others agree with.
 
         Args:
@@ -186,7 +192,7 @@ class WithoutGroups:
         values[self.result.places] += step[: len(self.result.fitted)]
         return force_of_equations(self.result.equations, values, (law.v_r, law.y_r), self.coarse.motion)
 
-    def _cost_of_others(self, law_force: LawForce, step: Array, own: IntArray) -> float:
+    def _cost_of_others(self, law_force: LawForce, step: Array, own: BoolArray) -> float:
         """Give the sum of squares of the other runs and of the priors, less the priors' at the fit."""
         squares = float(np.sum(self._residual(law_force, step)[~own] ** 2))
         size = len(self.result.fitted)

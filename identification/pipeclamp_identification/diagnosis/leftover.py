@@ -164,7 +164,7 @@ def _place_words(shape: Array, phase: Array) -> str:
         if towards > 90 - END_DEG
         else "between end and middle"
     )
-    return f"along the loop it is largest {place} ({branch}, {angle:.0f} deg after the largest displacement)"
+    return f"along the loop it is largest {place} ({branch}, {angle:.0f}° after the largest displacement)"
 
 
 def _condition_words(residual: Array, problem: Problem) -> list[str]:
@@ -191,7 +191,7 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
     Args:
         campaign: the tests.
         misfits: the law's error on each sample.
-        candidates: where to look, Hz.
+        candidates: where to look, Hz, shape (n,), rising.
 
     Returns:
         candidates whose power, over the local median and averaged over runs, is beyond what noise would make.

@@ -242,7 +242,7 @@ class WhitenedObservations:
         return self.loops.deny_constant_force
 
     def rows(self, chosen: IntArray) -> WhitenedObservations:
-        """Give the observations of some of the loops."""
+        """Give the observations of some of the loops, by their places, shape (n,)."""
         factors = None if self.factors is None else self.factors.rows(chosen)
         return WhitenedObservations(self.loops.rows(chosen), self.whitener[chosen], factors)
 

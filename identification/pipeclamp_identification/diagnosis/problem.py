@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -31,6 +31,7 @@ from pipeclamp_identification.fitting.observations import (
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, by_stretch
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
@@ -317,9 +318,7 @@ class Contender:
     tolerance: float = CLOSELY
 
 
-def judge_each(
-    contenders: Sequence[Contender], problem: Problem, jobs: int, tell: Callable[[str], None]
-) -> list[Judged]:
+def judge_each(contenders: Sequence[Contender], problem: Problem, jobs: int, tell: Progress) -> list[Judged]:
     """Judge laws side by side.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from pipeclamp_identification.fitting.least_squares import sized_and_linearised,
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import Linearised, kept
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import Structure, with_effect
@@ -148,10 +149,21 @@ def screened(
     structure: Structure,
     problem: Problem,
     law: Judged,
-    tell: Callable[[str], None],
+    tell: Progress,
     ids: Collection[str] | None = None,
 ) -> list[Promise]:
-    """Screen every effect, or those of some ids, by one step; most promising first."""
+    """Screen every effect by one step; most promising first.
+
+    Args:
+        structure: the law's structure.
+        problem: the data.
+        law: the law as it is.
+        tell: is told what is being done.
+        ids: effects that are screened; all where None.
+
+    Raises:
+        UserError: a declared effect can't be tried.
+    """
     promises = []
     loops = problem.loops
     names = candidate_names(structure, loops.conditions, time_measured=loops.time_measured)

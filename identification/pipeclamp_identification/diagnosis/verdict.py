@@ -47,7 +47,7 @@ from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
@@ -145,7 +145,7 @@ def diagnose(
     start: Mapping[str, float] | None = None,
     proved: bool = True,
     jobs: int = 1,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     prepared: Callable[[], Prepared] | None = None,
 ) -> Diagnosis:
     """Find which effect a law lacks.
@@ -163,13 +163,12 @@ def diagnose(
     Raises:
         UserError: the data can't serve the law, or there are too few runs to tell.
     """
-    tell = progress or (lambda _: None)
     loops = loops or loops_of(campaign)
     if len(loops.run) < FEWEST_RUNS:
         raise UserError(
             f"{counted(len(loops.run), 'run')} can't show what a law lacks; expected at least {FEWEST_RUNS}"
         )
-    tell("law as it is")
+    progress("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)
     complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
@@ -179,20 +178,20 @@ def diagnose(
     screened_out: dict[str, float] = {}
     if not is_complete(law, problem, tolerance):
         problem, law = weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
-        promises = screened(structure, problem, law, tell)
-        judged, screened_out = candidates(structure, problem, law, promises, jobs, tell)
+        promises = screened(structure, problem, law, progress)
+        judged, screened_out = candidates(structure, problem, law, promises, jobs, progress)
         if judged and not judged[0].objections:
-            tell("evidence weighed by the best law's own residuals")
+            progress("evidence weighed by the best law's own residuals")
             problem, law = weighed_again(problem, structure, likeliest(judged).result, [law.result])
-            judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, tell))
+            judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, progress))
         law = law_from_another_valley(law, judged, problem)
         judged = [with_means_counted(each, law, problem) for each in judged]
     sound = likeliest([law, *(each for each in judged if not each.objections)])
     residual, missed = (problem.plain_residual(each.result.law_force) for each in (sound, law))
     differing = unstated(problem.loops, problem.noise, residual, missed)
-    found = weigh(structure, problem, law, judged, tolerance, jobs, tell, differing)
+    found = weigh(structure, problem, law, judged, tolerance, jobs, progress, differing)
     found = unless_at_one_condition(found, problem.loops)
-    tell("what is left over")
+    progress("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
     if found.verdict != "complete":
         return diagnosis

@@ -15,6 +15,7 @@ from pipeclamp_identification.discovery.grammar import RATE, STRENGTH, Term, lin
 from pipeclamp_identification.fitting.least_squares import linearised
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.declaration import Declaration
@@ -213,7 +214,7 @@ def weighed_anew(columns: Sequence[TermColumn], before: Evaluation, after: Evalu
     return [replace(one, change=np.einsum("rij,rj->ri", units, one.change)) for one in columns]
 
 
-def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Callable[[str], None]) -> list[TermColumn]:
+def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Progress) -> list[TermColumn]:
     """Give the columns of all terms."""
     found: list[TermColumn] = []
     for place, term in enumerate(terms):
@@ -228,7 +229,7 @@ def beside_another_law(
     before: Evaluation,
     after: Evaluation,
     terms: Sequence[Term],
-    tell: Callable[[str], None],
+    tell: Progress,
 ) -> list[TermColumn]:
     """Give the columns of all terms beside another law: what adds a force adds the same, what scales it is evaluated.
 

@@ -83,7 +83,7 @@ def search(
     campaign: Campaign,
     loops: Loops | None = None,
     *,
-    declared: Iterable[Declaration] = (),
+    declared: Collection[Declaration] = (),
     jobs: int = 1,
     progress: Progress,
 ) -> TermSearch:
@@ -107,7 +107,6 @@ def search(
             f"groups of amplitude and frequency: {count}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
-    declared = tuple(declared)
     found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
     if found.verdict == "complete":
         return TermSearch(found, None, 0, "nothing is missing: what the law leaves over is scatter")

@@ -20,8 +20,6 @@ from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import BeforeAfter
 
-COEFFICIENT_DIGITS = 4
-
 
 class GuardAnswer(AnswerModel):
     """One thing that was asked of a term."""

@@ -149,7 +149,7 @@ def _temperatures(runs: Sequence[FreeRun]) -> list[Array]:
             at = run.record.time_s[known] - run.record.time_s[0]
             found.append(np.interp(run.motion.time, at, measured[known]) + CELSIUS)
         else:
-            found.append(np.asarray(math.nan if run.temperature_C is None else run.temperature_C + CELSIUS))
+            found.append(np.asarray(run.setup.kelvin))
     return found
 
 
@@ -232,11 +232,11 @@ def _law_motion(
         "A": A[None],
         "f": f[None],
         "T": np.atleast_2d(temperature),
-        "N": np.full((1, 1), run.first_cycle),
-        "rho": np.full((1, 1), math.nan if run.density_g_cm3 is None else run.density_g_cm3),
-        **{condition_signal(name): np.full((1, 1), value) for name, value in run.conditions.items()},
+        "N": np.full((1, 1), run.setup.first_cycle),
+        "rho": np.full((1, 1), run.setup.density),
+        **{condition_signal(name): np.full((1, 1), value) for name, value in run.setup.conditions.items()},
     }
-    columns = {"rho": "density_g_cm3", **{condition_signal(name): name for name in run.conditions}}
+    columns = {"rho": "density_g_cm3", **{condition_signal(name): name for name in run.setup.conditions}}
     for signal, column in columns.items():
         if signal in slow_signals(law) and not np.all(np.isfinite(conditions[signal])):
             raise UserError(f"the law depends on {column}, which isn't known for {run.name}; fill it in in runs.csv")
@@ -245,7 +245,8 @@ def _law_motion(
     means = {name: float(np.mean(values)) for name, values in conditions.items()}
     ways = ways_along(y, v, h, rest, parts_of_law(law, means, ranges[0][1], ranges[1][1]))
     counted = np.cumsum(ways.length / (4 * A), axis=1)[:, :-1]
-    cycles = run.first_cycle + np.pad(counted, ((0, 0), (1, 0)))  # as the FMU counts: those that have passed before
+    # as the FMU counts: those that have passed before
+    cycles = run.setup.first_cycle + np.pad(counted, ((0, 0), (1, 0)))
     return replace(motion, slow={**conditions, "N": cycles}, ways=ways), tracks
 
 

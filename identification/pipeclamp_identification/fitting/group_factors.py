@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.signals.orthonormal import orthonormal
-from pipeclamp_models.base.arrays import Array, IntArray
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
 
@@ -122,8 +122,8 @@ class GroupFactors:
         directions[:, law_force.adrift, 0] = 0.0
         return replace(self, directions=directions)
 
-    def of_groups_in(self, own: IntArray) -> Array:
-        """Give the factors of groups that stand in these rows alone, as sums of the differences, shape (C, K)."""
+    def of_groups_in(self, own: BoolArray) -> Array:
+        """Give the factors of groups that stand in these rows, (R,), alone, as sums of the differences, (C, K)."""
         sums = []
         for kind in np.unique(self.kinds):
             members = np.where((self.kinds == kind)[:, None], self.members, 0.0).T

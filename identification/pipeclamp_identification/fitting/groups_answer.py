@@ -157,4 +157,4 @@ def _differ_words(one: Groups, kinds: str) -> str:
 
 
 def _percent(factor: float, error: float) -> str:
-    return f"{100 * (factor - 1):+.2f} ± {100 * error:.1g} %"
+    return f"{100 * (factor - 1):+.2f} ± {100 * error:.1g}%"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -22,9 +22,8 @@ from pipeclamp_identification.fitting.surfaces import elastic_values, surface_va
 from pipeclamp_identification.loops.loops import PRELOADED, Loops, by_stretch, loops_of
 from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.errors import UsageError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.toml_file import unknown
-from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import (
     SCHEMA,
     CoefficientEntry,
@@ -42,7 +41,7 @@ from pipeclamp_models.law.file import (
     Provenance,
     RunQuality,
 )
-from pipeclamp_models.law.law import Equations, Structure
+from pipeclamp_models.law.law import BASE_LAW, Equations, Structure
 from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.range import intervals_of, rounded
 from pipeclamp_models.realise.force import LawForce
@@ -74,44 +73,35 @@ class Identification:
 
 def identify(
     campaign: Campaign,
+    structure: Structure = BASE_LAW,
     *,
-    base: str = "power",
-    effects: Sequence[str] = (),
-    frozen: Mapping[str, float] | None = None,
     method: Method = "joint",
-    declared: Iterable[Declaration] = (),
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Identification:
     """Identify a law from all runs of a campaign.
 
     Args:
         campaign: the tests.
-        base: name of the base law; "series" chooses its orders by their accuracy on left-out conditions.
-        effects: names of effects fitted with it.
-        frozen: values of parameters that are not to be fitted, by name.
+        structure: of the law; base "series" chooses its orders by their accuracy on left-out conditions.
         method: "joint" fits everything at once; "surfaces" is the paper's route by itself, loop by loop and then
             surfaces over the conditions (power base without effects).
-        declared: a user's own effects.
         progress: is told what is being done.
 
     Raises:
         UserError: an unknown base or effect, data that can't determine the law, or no temperature where it's needed.
     """
-    tell = progress or (lambda _: None)
-    tell(f"loops of {len(campaign.runs)} runs")
+    progress(f"loops of {len(campaign.runs)} runs")
     loops = loops_of(campaign)
     observations = loop_observations(loops)
-    structure = Structure(base, tuple(effects)).with_declared(declared)
-    if base == "series":
+    if structure.base == "series":
         # Its highest orders stand with the mathematics of its terms, which other bases do without.
         from pipeclamp_identification.fitting.series_orders import choose_series
 
-        tell("orders of the series")
-        structure = choose_series(loops, observations, structure)
-    structure = replace(structure, frozen=tuple(sorted((frozen or {}).items())))
+        progress("orders of the series")
+        structure = replace(choose_series(loops, observations, replace(structure, frozen=())), frozen=structure.frozen)
     refuse_unknown(structure)
-    result = fit_structure(structure, loops, observations, method=method, progress=tell)
-    tell("error on every sample")
+    result = fit_structure(structure, loops, observations, method=method, progress=progress)
+    progress("error on every sample")
     return Identification(result, loops, observations, misfits(result.law, campaign, loops), method)
 
 
@@ -131,7 +121,7 @@ def fit_structure(
     start: Mapping[str, float] | None = None,
     method: Method = "joint",
     tolerance: float = FIT_TOLERANCE,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Fit:
     """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
 
@@ -153,21 +143,20 @@ def fit_structure(
                 "expected base power or memory without effects (the joint method fits the others)"
             )
         return unfitted(structure, observations, from_surfaces)
-    tell = progress or (lambda _: None)
-    tell(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
+    progress(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
     # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
     fair = elastic_values(from_surfaces) if equations.states else from_surfaces
     begin = {**fair, **(start or {})}
     if has_groups(loops) and set(equations.names) <= set(begin):
         as_begun = unfitted(structure, observations, begin).law_force
-        beside = _fit_beside_groups(structure, loops, observations, as_begun, begin, tell, tolerance)
+        beside = _fit_beside_groups(structure, loops, observations, as_begun, begin, progress, tolerance)
         if beside is not None:
             return beside
     rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
     if has_groups(loops):
         found_near = unfitted(structure, observations, first.law.values) if equations.states else first
-        beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, tell, tolerance)
+        beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, progress, tolerance)
         if beside is not None:
             return beside
     if equations.states:

@@ -36,7 +36,7 @@ from pipeclamp_identification.signals.levels import count_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.law.law import Equations, Law, Structure, find_base, scaled_in, smoothing
 from pipeclamp_models.law.outline import ParameterOutline, Sizes, number_in
@@ -217,7 +217,7 @@ def fit(
     *,
     start: Mapping[str, float] | None = None,
     tolerance: float = FIT_TOLERANCE,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Fit:
     """Fit all parameters of a law jointly.
 
@@ -252,7 +252,7 @@ def fit(
     with one_thread():
         law = _Remembered(observations, equations, smooth)
         for attempt, values in enumerate(starts):
-            if progress and len(starts) > 1:
+            if len(starts) > 1:
                 progress(f"fit from start {attempt + 1} of {len(starts)}")
             begin = np.array(
                 [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal, Protocol
 
 from pydantic import Field
 
 from pipeclamp_identification.campaign.description import Imported, ImportedCut, ImportedFile, LeftOutFile
-from pipeclamp_identification.campaign.judging import JudgedRuns
-from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.importing.looked_at import LookedAt
-from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_identification.units.stated import Conversion
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+
+Thing = Literal["run", "test"]
+"""A test with a record, and one without."""
 
 
 class ImportedRunAnswer(AnswerModel):
@@ -76,76 +75,43 @@ def cut_answers(cut: Sequence[ImportedCut]) -> tuple[ImportedCutAnswer, ...]:
     )
 
 
-@dataclass(frozen=True)
-class Found:
-    """What an import found: the plan, the campaign as a reader finds it, and what campaign.toml says of it.
+class ImportedCampaign(Protocol):
+    """A campaign that an import wrote, or would write: of records or of results, each of which answers for itself."""
 
-    Attributes:
-        folder, name: of the campaign.
-        plan: of what was new.
-        rows: of runs.csv, with what it held before.
-        judged: all its runs.
-        looked: some of them more closely.
-        imported: campaign.toml's table of that name.
-        written: whether anything was.
-    """
+    @property
+    def folder(self) -> Path:
+        """Where it lies, or would lie."""
 
-    folder: Path
-    name: str
-    plan: Plan
-    rows: tuple[RunRow, ...]
-    judged: JudgedRuns
-    looked: LookedAt
-    imported: Imported
-    written: bool
+    @property
+    def name(self) -> str:
+        """The campaign's."""
+
+    @property
+    def thing(self) -> Thing:
+        """What a test of it is called."""
 
     @property
     def files(self) -> tuple[ImportedFile, ...]:
-        """Files that are new."""
-        return self.plan.files
+        """Files that are new, as campaign.toml states them."""
+
+    @property
+    def imported(self) -> Imported:
+        """The table of that name in campaign.toml."""
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """Runs that can't be used."""
-        return self.judged.left_out
+        """Tests that can't be used."""
+
+    @property
+    def written(self) -> bool:
+        """Whether anything was."""
+
+    @property
+    def serves(self) -> bool:
+        """Whether a law can be identified from it."""
 
     def notes(self) -> tuple[str, ...]:
         """Give what to know of the campaign, of its channels and units first."""
-        delay = (self.imported.delay.words,) if self.imported.delay else ()
-        smoothing = filter(None, (self.looked.smoothing.words(),))
-        return (*self.plan.notes, *delay, *self.judged.remarks, *smoothing)
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""
-        new = {run.name: run for run in self.plan.runs}
-        stated = {row.run: row for row in self.rows}
-        lost = {one.run for one in self.judged.left_out}
-        rows = []
-        for source in self.imported.runs:
-            sine, row = self.judged.sines.get(source.run), stated.get(source.run)
-            measured = new[source.run].measured if source.run in new else None
-            rows.append(
-                ImportedRunAnswer(
-                    run=source.run,
-                    file=source.file,
-                    amplitude_mm=measured[0] if measured else self.judged.settings[source.run][0] if sine else None,
-                    frequency_Hz=sine.cycles.frequency_Hz if sine else measured[1] if measured else None,
-                    temperature_C=row.temperature_C if row and source.run not in lost else None,
-                    cycles=sine.cycles.count if sine else None,
-                    new=source.run in new,
-                    done=source.done,
-                )
-            )
-        return ImportAnswer(
-            campaign=str(self.folder),
-            written=self.written,
-            new_files=tuple(one.file for one in self.plan.files),
-            known_files=self.plan.known,
-            columns=taken_columns(self.imported.files),
-            runs=tuple(rows),
-            cut=cut_answers(self.imported.cut),
-            left_out=left_out_runs(self.judged.left_out),
-            left_out_files=self.imported.left_out,
-            pattern=self.plan.pattern,
-            notes=self.notes(),
-        )

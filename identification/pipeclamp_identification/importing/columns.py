@@ -15,6 +15,7 @@ from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 from pipeclamp_models.base.shell import quoted
+from pipeclamp_models.base.units import unit_shown
 
 OR_UNTIMED = "or --rate none where time was not measured, as in a quasi-static test"
 MOST_LISTED = 8
@@ -245,7 +246,7 @@ def _stated_column(table: RawTable, stated: Stated) -> Column:
         if not counts:
             raise UserError(
                 f"--columns: no unit is stated of {channel.heading!r}, neither in the file nor in the option; expected "
-                f"for example '{stated.ours}={channel.heading} [{OURS[stated.ours].replace('degC', '°C')}]'"
+                f"for example '{stated.ours}={channel.heading} [{unit_shown(OURS[stated.ours])}]'"
             )
         try:
             found = conversion(stated.ours, counts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in, settings_of
-from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
+from pipeclamp_identification.importing.plan import ImportPlan, Overview, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls
 from pipeclamp_identification.importing.reading import Contents, digest_of, stem_of
 from pipeclamp_identification.importing.stated import LeaveOut, Options
@@ -36,8 +36,10 @@ from pipeclamp_identification.importing.unusable import (
     foremost,
     listed_why,
 )
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.said import counted
 
 STEADY_TEMPERATURE = 5.0
@@ -63,8 +65,8 @@ def plan_import(
     known: Mapping[str, str] | None = None,
     left_out: Sequence[LeftOutFile] = (),
     taken: Sequence[str] = (),
-    progress: Callable[[str], None] | None = None,
-) -> Plan:
+    progress: Progress = silent,
+) -> ImportPlan:
     """Plan what files become; their runs' records are written, and none is held.
 
     Args:
@@ -295,7 +297,7 @@ class _Planner:
         self.taken.add(name)
         return name
 
-    def plan(self, again: tuple[str, ...], left_out: tuple[LeftOutFile, ...] = ()) -> Plan:
+    def plan(self, again: tuple[str, ...], left_out: tuple[LeftOutFile, ...] = ()) -> ImportPlan:
         """Give all that was taken; `again` names files that are known, `left_out` those that can't be used.
 
         Raises:
@@ -331,7 +333,7 @@ class _Planner:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
         notes = (*listed_why([(one.file, one.why) for one in left_out]), *self.notes)
-        return Plan(
+        return ImportPlan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out,
             tuple(self.untimed),
         )  # fmt: skip
@@ -410,7 +412,7 @@ def _names(own: str, stem: str, single: bool) -> Iterator[str]:
 
 def _digits(value: float) -> float:
     """Give a measured setting with the digits that it has."""
-    return float(f"{value:.4g}")
+    return rounded_to(value, 4)
 
 
 def _in_its_unit(mapped: Mapped, column: str, value: float) -> float:

@@ -49,7 +49,7 @@ class Overview:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ImportPlan:
     """All that files become.
 
     Attributes:

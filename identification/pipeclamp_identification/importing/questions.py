@@ -21,6 +21,7 @@ from pipeclamp_identification.importing.naming import (
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.units.stated import OURS, Quantity, is_unit, quantity_of_unit
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.units import unit_shown
 
 NEEDED = ("time", "displacement", "force")
 NONE = "none"
@@ -177,7 +178,7 @@ def _with_unit(quantity: Quantity, channel: Channel) -> str:
 
     What is measured in volts or parts of a hundred must be said what one of them is: [1 N] leaves the number to change.
     """
-    unit, ours = unit_of(channel), OURS[quantity].replace("degC", "°C")
+    unit, ours = unit_of(channel), unit_shown(OURS[quantity])
     if fits_unit(quantity, unit):
         return channel.heading
     scaled = unit not in NO_UNIT and is_unit(unit) and not quantity_of_unit(unit)

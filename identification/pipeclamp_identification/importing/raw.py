@@ -41,7 +41,7 @@ class LabelColumn(Channel):
     texts: tuple[str, ...]
 
     def of(self, rows: IntArray) -> str:
-        """Give the text that these rows have and not all others, "" where there is no such one."""
+        """Give the text that rows have, by their places, shape (n,), and not all others; "" where there is none."""
         numbers = np.unique(self.values[rows])
         one = len(numbers) == 1 and len(self.texts) > 1 and np.isfinite(numbers[0])
         return self.texts[int(numbers[0])] if one else ""

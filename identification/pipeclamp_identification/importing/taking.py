@@ -29,7 +29,7 @@ from pipeclamp_identification.importing.reading import SourceFile, digest_of, re
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import Part, irregular, levels, piece_bounds, unsteady
+from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, piece_bounds, unsteady
 from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
@@ -47,6 +47,7 @@ from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.tables import pl
 
 OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
@@ -343,7 +344,7 @@ def _taken_piece(piece: Piece) -> TakenPart:
     return TakenPart(tuple(drafts), len(found.runs), cut, trace.record.time_s[edges[:-1]], thinned)
 
 
-def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, list[Part]]:
+def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[Draft, list[SampleRange]]:
     """Give a part as a run, its record written, and what of the part isn't in it.
 
     Raises:
@@ -354,7 +355,7 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
         return int(trace.places[part.first + sample]) + piece.table.first_row
 
     whole = without_blanks(trace.record.part(part.first, part.last), row)
-    kept = Part(part.first + whole.first, part.first + whole.last)
+    kept = SampleRange(part.first + whole.first, part.first + whole.last)
     check_samples(whole.record, lambda sample: row(whole.first + sample))
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
@@ -376,7 +377,7 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
         label=piece.label,
     )
-    beside = (Part(part.first, kept.first, BLANK), Part(kept.last, part.last, BLANK))
+    beside = (SampleRange(part.first, kept.first, BLANK), SampleRange(kept.last, part.last, BLANK))
     return draft, [one for one in beside if one.last > one.first]
 
 
@@ -428,7 +429,7 @@ def _imported(column: Column) -> ImportedColumn:
     )
 
 
-def _samples(table: RawTable, trace: Trace, part: Part) -> tuple[int, int]:
+def _samples(table: RawTable, trace: Trace, part: SampleRange) -> tuple[int, int]:
     """Give the first and the last sample of a part as the file counts them."""
     return (
         int(trace.places[part.first]) + table.first_row,
@@ -436,7 +437,7 @@ def _samples(table: RawTable, trace: Trace, part: Part) -> tuple[int, int]:
     )
 
 
-def _span(trace: Trace, part: Part) -> tuple[float, float]:
+def _span(trace: Trace, part: SampleRange) -> tuple[float, float]:
     """Give a part's first and last time."""
     return float(trace.record.time_s[part.first]), float(trace.record.time_s[part.last - 1])
 
@@ -459,9 +460,15 @@ def _outcome(number: int, path: Path, way: Way, over: Over = map) -> Outcome:
 
 
 def taken_files(
-    paths: Sequence[Path], way: Way, ask: Ask | None, progress: Callable[[str], None] | None
+    paths: Sequence[Path], way: Way, ask: Ask | None, progress: Progress
 ) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
     """Take files, in their order. What is answered of one holds for all that come after it.
+
+    Args:
+        paths: of the files.
+        way: how they are taken.
+        ask: for what names and units leave open; None where nobody can answer.
+        progress: hears which file is being taken.
 
     Raises:
         UserError: what is stated of one doesn't serve.
@@ -474,8 +481,7 @@ def taken_files(
     begun = way
     units: dict[str, str] = {}
     for number, path in enumerate(paths):
-        if progress:
-            progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
+        progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
         if number == 1 and not large:
             # what was answered of the first file is known to the others
             begun = way

@@ -68,7 +68,11 @@ def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begi
 
 
 def without_wrong_stamps(time: Array) -> Array:
-    """Take single stamps out that time goes back to or from, though it goes on without them: nan in their place."""
+    """Take single stamps out that time goes back to or from, though it goes on without them: nan in their place.
+
+    Args:
+        time: in any unit, shape (n,).
+    """
     back = np.flatnonzero(time[1:] < time[:-1])
     if not len(back):
         return time
@@ -87,7 +91,7 @@ def without_wrong_stamps(time: Array) -> Array:
 def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array:
     """Give the first samples of the displacement that have a time, in mm, lines in the place of blanks and spikes.
 
-    `timed`: rows that have a time; None for all.
+    `timed`: rows that have a time, (n,); None for all.
     """
     column = next(one for one in columns if one.ours == "displacement")
     first = np.arange(min(LOOKED_AT, table.length)) if timed is None else timed[:LOOKED_AT]
@@ -95,7 +99,10 @@ def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | N
 
 
 def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array | None:
-    """Give what tells the runs of a table apart, of the samples that have a time; None where there is nothing."""
+    """Give what tells the runs of a table apart, of the samples that have a time; None where there is nothing.
+
+    `timed`: as for `first_motion`.
+    """
     column = next((one for one in columns if one.ours == SEGMENT), None)
     return None if column is None else _turned(table, column, timed)
 
@@ -176,7 +183,12 @@ def _refuse_below_zero(where: str, columns: Sequence[Column], values: Mapping[st
 
 
 def moved_words(name: str, values: Array) -> str:
-    """Say that a further condition isn't one within a run, but moves by more than noise; "" where it stays."""
+    """Say that a further condition isn't one within a run, but moves by more than noise; "" where it stays.
+
+    Args:
+        name: its column of runs.csv.
+        values: its samples, shape (n,); nan is blank.
+    """
     finite = values[np.isfinite(values)]
     if len(finite) < FEWEST_WATCHED:
         return ""

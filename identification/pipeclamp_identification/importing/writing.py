@@ -7,7 +7,7 @@ import io
 import json
 import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,11 +23,10 @@ from pipeclamp_identification.campaign.description import (
     read_description,
 )
 from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME, Format
-from pipeclamp_identification.importing.plan import Plan
+from pipeclamp_identification.importing.plan import ImportPlan
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import refuse_folder, replace_folder
+from pipeclamp_models.base.files import refuse_folder
 
-PAGE = "import.html"
 OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
 """Parts what a user may change from what is ours, in campaign.toml."""
 FIRST_COLUMNS = ("run", "file", "motion", "amplitude_mm", "frequency_Hz", "temperature_C", "specimen")
@@ -62,24 +61,6 @@ class Existing:
     def known(self) -> dict[str, str]:
         """SHA-256 of each of its files, by name."""
         return {one.file: one.sha256 for one in self.imported.files}
-
-
-def put_in_place(work: Path, folder: Path, page: str, confirm: Callable[[], bool] | None) -> None:
-    """Put a campaign and its page in place, once that is confirmed.
-
-    Args:
-        work: where it lies.
-        folder: where it will lie.
-        page: its page.
-        confirm: asks; a no leaves all as it was.
-
-    Raises:
-        UserError: it wasn't confirmed.
-    """
-    (work / PAGE).write_text(page, encoding="utf-8", newline="\n")
-    if confirm and not confirm():
-        raise UserError("nothing was written: the import wasn't confirmed")
-    replace_folder(work, folder)
 
 
 def existing_campaign(folder: Path) -> Existing | None:
@@ -167,7 +148,7 @@ def _text(text: str) -> str:
 
 
 def write_campaign(
-    work: Path, plan: Plan, existing: Existing | None, *, name: str, notes: str, software: str, format: Format
+    work: Path, plan: ImportPlan, existing: Existing | None, *, head: str, software: str, format: Format
 ) -> Imported:
     """Write a plan into a working folder; its records are moved there.
 
@@ -175,7 +156,7 @@ def write_campaign(
         work: an empty folder.
         plan: what to write.
         existing: what is there already.
-        name, notes: of a new campaign.
+        head: what stands in campaign.toml before what an import did, as `head_of` gives it.
         software: that did it.
         format: of records.
 
@@ -206,16 +187,16 @@ def write_campaign(
         cut=(*before.cut, *plan.cut),
         left_out=still_left_out(before, plan.files, plan.left_out),
     )
-    write_description(work, head_of(existing, plan, name, notes), imported)
+    write_description(work, head, imported)
     return imported
 
 
-def head_of(existing: Existing | None, plan: Plan, name: str, notes: str) -> str:
+def head_of(existing: Existing | None, plan: ImportPlan, name: str, notes: str) -> str:
     """Give what stands in campaign.toml before what an import did: what is there, or the name of a new campaign."""
     return existing.head if existing else description_text(name, notes, time_measured=not plan.untimed)
 
 
-def refuse_other_time(existing: Existing | None, plan: Plan) -> None:
+def refuse_other_time(existing: Existing | None, plan: ImportPlan) -> None:
     """Refuse files without a time beside tests whose time was measured.
 
     Raises:

@@ -159,7 +159,7 @@ def metrics_answer(campaign: Campaign, loops: Loops) -> MetricsAnswer:
             RunMetrics.model_validate(
                 {
                     "run": run.name,
-                    "specimen": run.specimen,
+                    "specimen": run.setup.specimen,
                     "amplitude_mm": known(loops.amplitude_mm[row]),
                     "frequency_Hz": known(loops.frequency_Hz[row]),
                     "temperature_C": known(loops.temperature_K[row] - CELSIUS),

@@ -166,11 +166,11 @@ def loop_of(
     insignificant[:2] = False
     return Loop(
         run=run.name,
-        specimen=run.specimen,
+        specimen=run.setup.specimen,
         frequency_Hz=cycles.frequency_Hz,
         temperature_K=_kelvin(run),
-        density_g_cm3=math.nan if run.density_g_cm3 is None else run.density_g_cm3,
-        conditions={name: run.conditions[name] for name in condition_columns},
+        density_g_cm3=run.setup.density,
+        conditions={name: run.setup.conditions[name] for name in condition_columns},
         displacement=_padded(np.where(insignificant, 0, mean_displacement), harmonics),
         force=_padded(mean_force, harmonics),
         force_standard_error=np.append(force_error, np.full(harmonics + 1 - len(force_error), math.inf)),
@@ -180,12 +180,12 @@ def loop_of(
         force_rms_N=force_rms,
         force_at_rest_N=force_at_rest(run.record, cycles),
         samples=float(len(own.phase)),
-        cycles=np.asarray(run.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64),
+        cycles=np.asarray(run.setup.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64),
         displacement_per_cycle=_padded(own.fitted[0], harmonics),
         force_per_cycle=_padded(own.fitted[1], harmonics),
         phases=own.phase,
         at_reversals=own.at_reversals,
-        labels=run.texts,
+        labels=run.setup.texts,
     )
 
 
@@ -253,7 +253,7 @@ def _kelvin(run: Run) -> float:
         known = steady[np.isfinite(steady)]
         if len(known):
             return float(np.mean(known)) + CELSIUS
-    return math.nan if run.temperature_C is None else run.temperature_C + CELSIUS
+    return run.setup.kelvin
 
 
 def _sums(change: Array, phase: Array, sample: IntArray, bounds: IntArray, count: int) -> ComplexArray:

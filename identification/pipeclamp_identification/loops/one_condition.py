@@ -11,6 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.loops.published_rows import KELVINS, PublishedRow, matching_row
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
 
 # settings of a test plan that are meant to be the same lie this close together, those that aren't lie further apart
@@ -48,7 +49,7 @@ def variations_of(campaign: Campaign, loops: Loops) -> tuple[Variation, ...]:
         The variations of two or more runs, in the order frequency, amplitude, density, temperature, further conditions.
     """
     levels = _levels(campaign, loops)
-    specimens = [run.specimen or "" for run in campaign.runs]
+    specimens = [run.setup.specimen or "" for run in campaign.runs]
     published = [matching_row(run) for run in campaign.runs]
     variations = []
     for quantity, varied in levels.items():
@@ -133,8 +134,8 @@ def _levels(campaign: Campaign, loops: Loops) -> dict[str, Array]:
     quantities = {
         "frequency_Hz": np.where(np.isfinite(frequency), frequency, loops.frequency_Hz),
         "amplitude_mm": np.where(np.isfinite(amplitude), amplitude, loops.amplitude_mm),
-        "density_g_cm3": of(lambda run: run.density_g_cm3),
-        "temperature_C": of(lambda run: run.temperature_C),
+        "density_g_cm3": of(lambda run: run.setup.density_g_cm3),
+        "temperature_C": of(lambda run: run.setup.temperature_C),
         **loops.conditions,
     }
     return {name: levels_of(name, values) for name, values in quantities.items()}
@@ -152,5 +153,5 @@ def levels_of(quantity: str, values: Array) -> Array:
     member = level[places]
     for k in range(level[-1] + 1):
         known = np.flatnonzero(np.isfinite(values))[member == k]
-        result[known] = float(f"{np.mean(values[known]):.4g}")
+        result[known] = rounded_to(np.mean(values[known]), 4)
     return result

@@ -62,17 +62,17 @@ def matching_row(run: Run) -> PublishedRow | None:
             _same_specimen(run, row)
             and _near(run.amplitude_mm, row.amplitude_mm)
             and _near(run.frequency_Hz, row.frequency_Hz)
-            and run.temperature_C is not None
-            and abs(run.temperature_C - row.temperature_C) <= KELVINS
+            and run.setup.temperature_C is not None
+            and abs(run.setup.temperature_C - row.temperature_C) <= KELVINS
         ):
             return row
     return None
 
 
 def _same_specimen(run: Run, row: PublishedRow) -> bool:
-    if run.density_g_cm3 is None:
-        return run.specimen == row.specimen
-    return _near(run.density_g_cm3, row.density_g_cm3)
+    if run.setup.density_g_cm3 is None:
+        return run.setup.specimen == row.specimen
+    return _near(run.setup.density_g_cm3, row.density_g_cm3)
 
 
 def _near(value: float | None, published: float) -> bool:

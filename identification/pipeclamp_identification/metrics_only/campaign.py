@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from pipeclamp_identification.campaign.description import CampaignDescription
 from pipeclamp_identification.campaign.fingerprint import digests_of
-from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable
+from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable, Setup
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import condition_signal
-from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.realise.motion import sinusoids
 
 SCATTER_BEFOREHAND = 0.01
@@ -38,17 +37,12 @@ AGREEING_SHARE = 0.01
 
 @dataclass(frozen=True)
 class MetricRun:
-    """One loop: what was set (None where not known), its energies in J, and what rounding leaves open of each, as a
-    share."""
+    """One loop: its motion, its energies in J, and what rounding leaves open of each, as a share."""
 
     name: str
-    specimen: str | None
+    setup: Setup
     amplitude_mm: float
     frequency_Hz: float
-    temperature_C: float | None
-    density_g_cm3: float | None
-    first_cycle: float
-    conditions: Mapping[str, float]
     dissipated_energy_J: float
     max_elastic_energy_J: float
     rounding: tuple[float, float]
@@ -186,13 +180,9 @@ def _run(path: Path, row: RunRow) -> MetricRun:
                 )
     return MetricRun(
         name=row.run,
-        specimen=row.specimen,
+        setup=row.setup,
         amplitude_mm=row.amplitude_mm,
         frequency_Hz=row.frequency_Hz,
-        temperature_C=row.temperature_C,
-        density_g_cm3=row.density_g_cm3,
-        first_cycle=row.first_cycle,
-        conditions=row.conditions,
         dissipated_energy_J=dissipated[0],
         max_elastic_energy_J=elastic[0],
         rounding=(dissipated[1], elastic[1]),
@@ -222,9 +212,11 @@ def _impossible(run: MetricRun) -> str:
 
 def _numbers_of(run: MetricRun) -> tuple[object, ...]:
     """Give what two rows that are one measurement share, as tables repeat the row that they have in common."""
-    known = tuple((name, value) for name, value in run.conditions.items() if not math.isnan(value))
-    own = tuple(getattr(run, one.name) for one in fields(run) if one.name not in ("name", "conditions"))
-    return (*own, known)
+    setup = run.setup
+    known = tuple((name, value) for name, value in setup.conditions.items() if not math.isnan(value))
+    tested = (setup.specimen, setup.temperature_C, setup.density_g_cm3, setup.first_cycle, known)
+    loop = (run.amplitude_mm, run.frequency_Hz, run.dissipated_energy_J, run.max_elastic_energy_J, run.rounding)
+    return (*tested, *loop)
 
 
 def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES_PER_CYCLE) -> MetricObservations:
@@ -238,7 +230,7 @@ def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES_PER_CYC
         UserError: the temperature is known for some runs only.
     """
     runs = campaign.runs
-    T = np.array([math.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs])
+    T = np.array([run.setup.kelvin for run in runs])
     motion = sinusoids(
         [run.amplitude_mm for run in runs],
         [run.frequency_Hz for run in runs],
@@ -246,11 +238,10 @@ def metric_observations(campaign: MetricCampaign, samples: int = SAMPLES_PER_CYC
         samples,
     )
     rounding = np.array([run.rounding for run in runs])
-    density = [math.nan if run.density_g_cm3 is None else run.density_g_cm3 for run in runs]
     columns = {
-        "N": [run.first_cycle for run in runs],
-        "rho": density,
-        **{condition_signal(name): [run.conditions[name] for run in runs] for name in campaign.condition_columns},
+        "N": [run.setup.first_cycle for run in runs],
+        "rho": [run.setup.density for run in runs],
+        **{condition_signal(name): [run.setup.conditions[name] for run in runs] for name in campaign.condition_columns},
     }
     slow = {**motion.slow, **{name: np.array(values)[:, None] for name, values in columns.items()}}
     return MetricObservations(

@@ -55,7 +55,7 @@ def metric_comparison_answer(comparison: MetricComparison) -> MetricComparisonAn
                 max_elastic_energy_log_ratio=float(logs[1]),
                 amplitude_mm=run.amplitude_mm,
                 frequency_Hz=run.frequency_Hz,
-                temperature_C=run.temperature_C,
+                temperature_C=run.setup.temperature_C,
                 outside_range=comparison.outside.get(run.name),
             )
             for run, logs in runs

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -14,7 +14,7 @@ from pipeclamp_identification.metrics_only.law import MetricComparison, compare_
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
 from pipeclamp_identification.metrics_only.weighing import MetricWeighed
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, structure_of
 
@@ -141,16 +141,15 @@ def metrics_diagnosed(
     file: LawFile,
     campaign: MetricCampaign,
     *,
-    declared: Iterable[Declaration] = (),
+    declared: Collection[Declaration] = (),
     limits: Limits | None = None,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> MetricDiagnosed:
     """Diagnose the law of a parameter file on a campaign of metrics; see `diagnosis.named.by_history`.
 
     Raises:
         UserError: the metrics can't serve the law.
     """
-    declared = tuple(declared)
     comparison = compare_metrics(file, campaign)
     diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, progress=progress)
     test = next_metric_test(diagnosis, limits)
@@ -161,7 +160,7 @@ def metrics_diagnosed(
 
 def _place(campaign: MetricCampaign, row: int) -> str:
     run = campaign.runs[row]
-    T = "" if run.temperature_C is None else f", {run.temperature_C:g} °C"
+    T = "" if run.setup.temperature_C is None else f", {run.setup.temperature_C:g} °C"
     return f"{run.name} ({run.amplitude_mm:g} mm, {run.frequency_Hz:g} Hz{T})"
 
 

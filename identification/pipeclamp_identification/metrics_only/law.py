@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,43 +12,30 @@ from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metri
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import OF_METRICS, FitQuality, LawFile, Provenance, RunQuality, law_of
-from pipeclamp_models.law.law import Structure, find_base
+from pipeclamp_models.law.law import BASE_LAW, Structure, find_base
 from pipeclamp_models.law.range import intervals_of, outside_range, rounded
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import refuse_unknown_conditions
 
 
-def identify_metrics(
-    campaign: MetricCampaign,
-    *,
-    base: str = "power",
-    effects: Sequence[str] = (),
-    frozen: Mapping[str, float] | None = None,
-    declared: Iterable[Declaration] = (),
-    progress: Progress | None = None,
-) -> Fit:
+def identify_metrics(campaign: MetricCampaign, structure: Structure = BASE_LAW, *, progress: Progress = silent) -> Fit:
     """Identify a law from the metrics of all runs.
 
     Args:
         campaign: the metrics.
-        base: name of the base law.
-        effects: names of effects fitted with it.
-        frozen: values of parameters that are not to be fitted, by name.
-        declared: a user's own effects.
+        structure: of the law.
         progress: is told what is being done.
 
     Raises:
         UserError: an unknown base or effect, or metrics that can't determine the law.
     """
-    if find_base(base).terms == find_base("series").terms:
+    if find_base(structure.base).terms == find_base("series").terms:
         raise UserError(
-            f"base {base!r}: {campaign.name} holds metrics without records, which can't choose the orders of a series; "
-            "expected base power or memory"
+            f"base {structure.base!r}: {campaign.name} holds metrics without records, which can't choose the "
+            "orders of a series; expected base power or memory"
         )
-    structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items()))).with_declared(declared)
     refuse_unknown(structure)
     return fit_to_metrics(structure, metric_observations(campaign), {}, FIT_TOLERANCE, progress)
 
@@ -86,7 +72,8 @@ def rms(logs: Array) -> float:
 def _columns(campaign: MetricCampaign) -> dict[str, Array]:
     """Give the conditions by the names that a law's range has."""
     motion = metric_observations(campaign).motion
-    further = {name: np.array([run.conditions[name] for run in campaign.runs]) for name in campaign.condition_columns}
+    setups = [run.setup for run in campaign.runs]
+    further = {name: np.array([setup.conditions[name] for setup in setups]) for name in campaign.condition_columns}
     known = (name for name in ("A", "f", "T", "rho") if name not in motion.assumed)
     return {**{name: motion.slow[name][:, 0] for name in known}, **further}
 

@@ -47,8 +47,8 @@ class Reading:
 READINGS = (
     Reading("published_R1", 0.0, -1, "temperature in kelvin, k1 falls with T (as the tables say)"),
     Reading("published_R2", 0.0, 1, "temperature in kelvin, k1 rises with T (as the words say)"),
-    Reading("published_R3", CELSIUS, -1, "temperature in degC, k1 falls with T (as the tables say)"),
-    Reading("published_R4", CELSIUS, 1, "temperature in degC, k1 rises with T (as the words say)"),
+    Reading("published_R3", CELSIUS, -1, "temperature in °C, k1 falls with T (as the tables say)"),
+    Reading("published_R4", CELSIUS, 1, "temperature in °C, k1 rises with T (as the words say)"),
 )
 """What the printed law leaves open, each combination by name; R1 errs least."""
 
@@ -187,7 +187,7 @@ def emwm2_file(software: str) -> LawFile:
         name="emwm2",
         notes="Fitted to dW and W of Tables 2, 3, 5 (specimen EMWM2, 11 conditions); "
         f"rms log ratio {last.errors[0]:.2%}. "
-        "contact_growth rests on the one row at 300 degC.",
+        "contact_growth rests on the one row at 300 °C.",
         base=last.law.structure.base,
         effects=last.law.structure.effects,
         smoothing={"v_r": rounded(last.law.v_r), "y_r": rounded(last.law.y_r)},

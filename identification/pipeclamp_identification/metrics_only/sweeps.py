@@ -14,7 +14,6 @@ from pipeclamp_models.base.arrays import Array
 SCATTERED = 3.0
 """Times what settings lie apart at most, by which values may lie off their mean: beyond, they go from one setting to
 another without a gap."""
-OF_A_RUN = ("frequency_Hz", "amplitude_mm", "temperature_C", "density_g_cm3", "first_cycle")
 
 
 @dataclass(frozen=True)
@@ -47,18 +46,25 @@ class Sweep:
 
 def values_of(campaign: MetricCampaign) -> Mapping[str, Array]:
     """Give what was set in each test, by column of runs.csv, shape (R,); nan where it isn't known."""
-    own = {name: [getattr(run, name) for run in campaign.runs] for name in OF_A_RUN}
-    further = {name: [run.conditions[name] for run in campaign.runs] for name in campaign.condition_columns}
-    return {name: np.array(values, dtype=np.float64) for name, values in {**own, **further}.items()}
+    runs, setups = campaign.runs, [run.setup for run in campaign.runs]
+    columns = {
+        "frequency_Hz": [run.frequency_Hz for run in runs],
+        "amplitude_mm": [run.amplitude_mm for run in runs],
+        "temperature_C": [setup.temperature_C for setup in setups],
+        "density_g_cm3": [setup.density_g_cm3 for setup in setups],
+        "first_cycle": [setup.first_cycle for setup in setups],
+        **{name: [setup.conditions[name] for setup in setups] for name in campaign.condition_columns},
+    }
+    return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}
 
 
 def sweeps_of(campaign: MetricCampaign) -> tuple[Sweep, ...]:
-    """Give each quantity that varies, in the order of `OF_A_RUN`, with the curves that can be drawn over it."""
+    """Give each quantity that varies, in the order of `values_of`, with the curves that can be drawn over it."""
     settings = values_of(campaign)
     levels = {name: levels_of(name, values) for name, values in settings.items()}
     drifting = [name for name in settings if _drifts(name, settings[name], levels[name])]
     varied = [name for name in settings if name in drifting or len(_known(levels[name])) > 1]
-    specimens = [run.specimen or "" for run in campaign.runs]
+    specimens = [run.setup.specimen or "" for run in campaign.runs]
     found = []
     for quantity in varied:
         held = [name for name in varied if name != quantity and name not in drifting]

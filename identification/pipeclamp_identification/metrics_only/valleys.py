@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.metrics_only.observations import MetricObservations
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import Structure
 
 CLOSELY, ROUGHLY = 1e-7, 1e-4
@@ -21,7 +21,7 @@ def fit_from_each(
     observations: MetricObservations,
     starts: Sequence[Mapping[str, float]],
     tolerance: float,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Fit:
     """Fit a law to metrics from each of several starts.
 
@@ -64,7 +64,7 @@ def fit_to_metrics(
     observations: MetricObservations,
     start: Mapping[str, float],
     tolerance: float,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Fit:
     """Fit a law to metrics from a start as it is, and as a fit to the energies sizes it; see `fit_from_each`."""
     starts = (start, sized_by_shares(structure, observations, start))

@@ -32,7 +32,7 @@ from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
@@ -147,9 +147,7 @@ class MetricDiagnosis:
         return min((self.law, *self.shown), key=lambda judged: judged.score)
 
 
-def diagnose_metrics(
-    structure: Structure, campaign: MetricCampaign, *, progress: Progress | None = None
-) -> MetricDiagnosis:
+def diagnose_metrics(structure: Structure, campaign: MetricCampaign, *, progress: Progress = silent) -> MetricDiagnosis:
     """Find which effect a law lacks, from metrics.
 
     Args:
@@ -160,13 +158,12 @@ def diagnose_metrics(
     Raises:
         UserError: there are too few metrics for the law's parameters.
     """
-    tell = progress or (lambda _: None)
     coarse = metric_observations(campaign, samples=COARSE_SAMPLES)
     smooth = _smooth(campaign, coarse)
-    fitted = candidates_of(structure, campaign, coarse, smooth, tell)
+    fitted = candidates_of(structure, campaign, coarse, smooth, progress)
     scatter = metric_scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
     observations, few = (each.with_scatter(scatter.share) for each in (metric_observations(campaign), coarse))
-    tell("evidence in units of the scatter")
+    progress("evidence in units of the scatter")
     again = partial(_again, observations=observations, few=few)
     law, richest = again(fitted.law), again(fitted.richest)
     alone, together = (sorted(map(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
@@ -176,14 +173,14 @@ def diagnose_metrics(
         chance_of_lack(law, observations, smooth, SCATTER_BEFOREHAND),
         chance_of_lack(richest, observations, smooth, SCATTER_BEFOREHAND),
     )
-    heldout = LeftOutErrors(observations, few, tell)
+    heldout = LeftOutErrors(observations, few, progress)
     scales = MetricScales(law, richest, alone, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)
     rests_on: tuple[int, ...] = ()
     tested_once: tuple[str, ...] = ()
     if found.verdict == "missing":
         named = found.laws[0]
-        tell(f"what {named.name} rests on")
+        progress(f"what {named.name} rests on")
         rests_on = single_rows(named.result, structure, as_seen_at_few(few, observations, named.result.law))
         tested_once = _tested_once(named, observations)
     shown = [
@@ -251,4 +248,4 @@ def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array
     """Give the functions of the conditions that count as smooth, shape (R, q)."""
     columns = {name: values[:, 0] for name, values in observations.motion.slow.items()}
     A, f, T = (columns.pop(name) for name in ("A", "f", "T"))
-    return smooth_functions(A, f, T, list(columns.values()), [run.specimen for run in campaign.runs])
+    return smooth_functions(A, f, T, list(columns.values()), [run.setup.specimen for run in campaign.runs])

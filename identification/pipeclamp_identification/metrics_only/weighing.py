@@ -238,7 +238,7 @@ def _by_chance(judged: MetricJudged, scales: MetricScales) -> str:
     chance = scales.chances[judged.name]
     if chance >= NEARLY_ALWAYS_CHANCE:
         return "scatter alone would gain as much in nearly all cases"
-    return f"scatter alone would gain as much in {100 * chance:.2g} % of all cases"
+    return f"scatter alone would gain as much in {100 * chance:.2g}% of all cases"
 
 
 def _scatter_words(scatter: Scatter) -> str:

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from pipeclamp_identification.campaign.description import description_text
 from pipeclamp_identification.campaign.reading import Campaign
@@ -31,13 +32,14 @@ def as_metrics(campaign: Campaign, loops: Loops) -> MetricCampaign:
     runs = tuple(
         MetricRun(
             name=run.name,
-            specimen=run.specimen,
+            setup=replace(
+                run.setup,
+                temperature_C=_known(loops.temperature_K[row] - CELSIUS),
+                density_g_cm3=_known(loops.density_g_cm3[row]),
+                first_cycle=_digits(loops.cycle[row]),
+            ),
             amplitude_mm=_digits(loops.amplitude_mm[row]),
             frequency_Hz=_digits(loops.frequency_Hz[row]),
-            temperature_C=_known(loops.temperature_K[row] - CELSIUS),
-            density_g_cm3=_known(loops.density_g_cm3[row]),
-            first_cycle=_digits(loops.cycle[row]),
-            conditions={name: float(values[row]) for name, values in loops.conditions.items()},
             dissipated_energy_J=_digits(metrics.dissipated_energy_J[row]),
             max_elastic_energy_J=_digits(metrics.max_elastic_energy_J[row]),
             rounding=(half_a_unit, half_a_unit),
@@ -55,13 +57,13 @@ def metric_rows(campaign: MetricCampaign) -> list[dict[str, str | float | None]]
     return [
         {
             "run": run.name,
-            "specimen": run.specimen,
+            "specimen": run.setup.specimen,
             "amplitude_mm": run.amplitude_mm,
             "frequency_Hz": run.frequency_Hz,
-            "temperature_C": run.temperature_C,
-            "density_g_cm3": run.density_g_cm3,
-            "first_cycle": run.first_cycle,
-            **{name: _known(run.conditions[name]) for name in campaign.condition_columns},
+            "temperature_C": run.setup.temperature_C,
+            "density_g_cm3": run.setup.density_g_cm3,
+            "first_cycle": run.setup.first_cycle,
+            **{name: _known(run.setup.conditions[name]) for name in campaign.condition_columns},
             "dissipated_energy_J": run.dissipated_energy_J,
             "max_elastic_energy_J": run.max_elastic_energy_J,
             "loss_factor": _digits(run.loss_factor),

@@ -60,8 +60,8 @@ class PipeBands:
         """Say how much of what was measured lies in the band."""
         number, count = int(self.outside.sum()), int(self.comparison.compared.sum())
         lines = [
-            f"{number} of {count} measured amplitudes ({self.share:.0%}) lie outside the model's {self.per_cent:g} % "
-            f"band, {100 - self.per_cent:g} % would by chance; half the band is {self.half_width:.1%} of the "
+            f"{number} of {count} measured amplitudes ({self.share:.0%}) lie outside the model's {self.per_cent:g}% "
+            f"band, {100 - self.per_cent:g}% would by chance; half the band is {self.half_width:.1%} of the "
             "amplitude (median)."
         ]
         if not np.isfinite(self._scatter()).any():

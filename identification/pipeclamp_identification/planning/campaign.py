@@ -25,7 +25,7 @@ from pipeclamp_identification.planning.schedule import (
 from pipeclamp_identification.planning.telling import Power, power
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
 
@@ -127,7 +127,7 @@ class CampaignPlan:
 
 
 def plan_campaign(
-    file: LawFile, limits: Limits | None = None, asked: PlanRequest | None = None, progress: Progress | None = None
+    file: LawFile, limits: Limits | None = None, asked: PlanRequest | None = None, progress: Progress = silent
 ) -> CampaignPlan:
     """Give the campaign that names the most and the smallest effects within its hours.
 

@@ -25,7 +25,7 @@ class EffectPower(AnswerModel):
     """From which size on an effect is named."""
 
     effect: str
-    newtons: float | None = Field(description="rms force from which on it is named in 90 % of such campaigns; None: no")
+    newtons: float | None = Field(description="rms force from which on it is named in 90% of such campaigns; None: no")
     nearest: str | None = Field(description="the effect that is most like it in these tests; None: isn't known")
 
 

@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, RU
 from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_tests
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UsageError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
@@ -120,7 +120,7 @@ def plan_tests(
     per_cent: float = 95.0,
     at: str | None = None,
     noise_N: float | None = None,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> BandPlan:
     """Give the loop tests that narrow the band of a pipe's peak most, one after another.
 
@@ -140,24 +140,23 @@ def plan_tests(
         UserError: the system can't be read or solved, no law tells how sure it is, or the rig can drive no test.
         UsageError: the share can't be held by a band, or there is no such clamp or probe.
     """
-    tell = progress or (lambda what: None)
     refuse_bands(path, per_cent, {})
-    response = run_response(path, tell, dots=False)
+    response = run_response(path, progress, dots=False)
     if at is not None and at not in response.points:
         raise UsageError(f"--at: {unknown_name(at, list(response.points), 'clamp or probe')}")
     system = banded_system(path, response, by_clamp=True)
     points = range(len(response.points)) if at is None else [response.points.index(at)]
-    tell("what the peaks follow")
+    progress("what the peaks follow")
     every = [_wanted(system, curve, point) for curve in response.curves for point in points]
     wanted = max(every, key=lambda one: one.deviation(system.unknown.covariance) / one.amplitude)
-    tell("the band as it is")
+    progress("the band as it is")
     before = system.bands(wanted.curve, per_cent).peaks[wanted.point]
     search = _NarrowingSearch(path, system, wanted, before, per_cent, response.clamp_names)
     fields = [search.tests_of(law, limits, noise_N) for law in dict.fromkeys(system.unknown.laws)]
     if not any(len(field) for field, _ in fields):
         said = "; ".join(dict.fromkeys(words for _, words in fields))
         raise UsageError(f"--limits: no sine test keeps all of {said}; expected wider limits")
-    tell("tests that would narrow it")
+    progress("tests that would narrow it")
     known = [field for field, _ in fields]
     files = {field.law: field.law.file for field in known}
     noises = {file.name: noise_words(file, noise_N) for file in files.values()}
@@ -379,7 +378,7 @@ class _NarrowingSearch:
 
 def test_words(test: NextLoopTest) -> str:
     """Say which test it is."""
-    warm = "the temperature of the tests so far" if test.temperature_C is None else f"{test.temperature_C:.3g} degC"
+    warm = "the temperature of the tests so far" if test.temperature_C is None else f"{test.temperature_C:.3g} °C"
     return (
         f"{PROFILES[SINE].words} of the clamp of {test.law} at {test.amplitude_mm:.3g} mm, {test.frequency_Hz:.3g} Hz, "
         f"{warm}, {RUNS_OF_A_TEST} times"

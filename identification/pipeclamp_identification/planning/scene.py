@@ -20,7 +20,7 @@ from pipeclamp_identification.planning.rivals import Trial
 from pipeclamp_identification.planning.seen import lack_of, norms_of
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.catalogue import listed
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.law import Law
@@ -115,7 +115,7 @@ def scene(
     noise_N: float,
     rate: float,
     scatter: float,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Scene:
     """Give what tests on a grid would tell.
 
@@ -127,7 +127,6 @@ def scene(
         scatter: rms share by which stiffness and damping differ from run to run.
         progress: told what is being done.
     """
-    tell = progress or (lambda what: None)
     bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], SAMPLES_PER_CYCLE)
     force, slopes = _foretold(bare, motion)
     between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, np.zeros_like(force)))
@@ -143,7 +142,7 @@ def scene(
     for effect in listed():
         if effect.part == "base":
             continue
-        tell(effect.id)
+        progress(effect.id)
         try:
             typical = _beyond(typical_law(file, effect.id, grid), motion, force)
         except UserError:

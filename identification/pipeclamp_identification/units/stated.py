@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import CELSIUS, unit_shown
 
 if TYPE_CHECKING:
     import pint
@@ -134,7 +135,7 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
     found = _conversion_to(ours, unit, quantity)
     if found is None:
         raise UserError(
-            f"{unit!r} is no unit of {quantity}; expected one that turns into {ours}, such as {_some(ours)}"
+            f"{unit!r} is no unit of {quantity}; expected one that turns into {unit_shown(ours)}, such as {_some(ours)}"
         )
     return found
 
@@ -165,16 +166,16 @@ def stated_conversion(quantity: Quantity, name: str, factor: float | None) -> Co
         return found
     if abs(abs(factor) - abs(found.factor)) > SAME_FACTOR_SHARE * abs(found.factor):
         raise ValueError(
-            f"{name!r} states {unit}, which turns into {OURS[quantity]} by {found.factor:.6g}; got factor {factor:g}; "
-            "expected that one, or none: the unit in the name counts"
+            f"{name!r} states {unit}, which turns into {unit_shown(OURS[quantity])} by {found.factor:.6g}; got factor "
+            f"{factor:g}; expected that one, or none: the unit in the name counts"
         )
     sign = math.copysign(1.0, factor)
     return Conversion(sign * found.factor, sign * found.offset)
 
 
 def _some(ours: str) -> str:
-    return {"s": "s, ms or min", "mm": "mm, m, um or in", "N": "N, kN, lbf or kgf", "degC": "degC, K or degF"}.get(
-        ours, ours
+    return {"s": "s, ms or min", "mm": "mm, m, um or in", "N": "N, kN, lbf or kgf", "degC": "°C, K or °F"}.get(
+        ours, unit_shown(ours)
     )
 
 
@@ -218,7 +219,7 @@ def _spelled(text: str) -> str:
 
 def _rounded(value: float) -> float:
     """Give a factor without the digits that its way through differences made."""
-    return float(f"{value:.13g}")
+    return rounded_to(value, 13)
 
 
 @cache

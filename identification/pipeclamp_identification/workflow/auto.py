@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
 from pipeclamp_identification.workflow.climb import Climber, Fork, Place, Rung, Settled
-from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_identification.workflow.tests import Diagnosed, Tests
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 

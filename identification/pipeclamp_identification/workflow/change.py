@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from pipeclamp_identification.diagnosis.named import parts_of
-from pipeclamp_identification.workflow.tests import Tests, silent
+from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, former_law_of, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
@@ -46,7 +45,7 @@ def add_effect(
     tests: Tests,
     *,
     provenance: Provenance,
-    declared: Iterable[Declaration] = (),
+    declared: Collection[Declaration] = (),
     kind: NamedKind | None = None,
     start: Mapping[str, float] | None = None,
     instead: Collection[str] = (),
@@ -75,7 +74,15 @@ def add_effect(
 
 
 def add_effects(
-    file: LawFile, effects: Sequence[str], tests: Tests, *, start: Mapping[str, float] | None = None, **given: Any
+    file: LawFile,
+    effects: Sequence[str],
+    tests: Tests,
+    *,
+    provenance: Provenance,
+    declared: Collection[Declaration] = (),
+    kind: NamedKind | None = None,
+    start: Mapping[str, float] | None = None,
+    progress: Progress = silent,
 ) -> list[LawChange]:
     """Add effects to a law one after the other, as `add_effect` does; give each step.
 
@@ -83,8 +90,11 @@ def add_effects(
     """
     steps: list[LawChange] = []
     for place, effect in enumerate(effects, 1):
-        begin = start if place == len(effects) else None
-        steps.append(add_effect(steps[-1].after if steps else file, effect, tests, start=begin, **given))
+        change = add_effect(
+            steps[-1].after if steps else file, effect, tests, provenance=provenance, declared=declared, kind=kind,
+            start=start if place == len(effects) else None, progress=progress,
+        )  # fmt: skip
+        steps.append(change)
     return steps
 
 
@@ -164,7 +174,12 @@ def as_well_without(change: LawChange, keep: str) -> str:
 def exchange(
     file: LawFile, structure: Structure, tests: Tests, *, provenance: Provenance, progress: Progress = silent
 ) -> LawChange:
-    """Put another structure, with one thing exchanged, in a law's place and refit everything; see `add_effect`.
+    """Put another structure, with one thing exchanged, in a law's place and refit everything.
+
+    Args:
+        file: the law.
+        structure: what takes its place.
+        tests, provenance, progress: as for `add_effect`.
 
     Raises:
         UserError: the data can't serve it.

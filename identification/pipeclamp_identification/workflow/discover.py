@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection
 
 from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
@@ -10,9 +10,9 @@ from pipeclamp_identification.discovery.proposal import TermProposal, refused, r
 from pipeclamp_identification.fitting.identify import software
 from pipeclamp_identification.workflow.change import add_effect, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_identification.workflow.tests import Tests, silent
+from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
@@ -24,7 +24,7 @@ def discover(
     tests: Tests,
     *,
     command: str,
-    declared: Iterable[Declaration] = (),
+    declared: Collection[Declaration] = (),
     jobs: int = 1,
     progress: Progress = silent,
 ) -> TermProposal:
@@ -45,7 +45,6 @@ def discover(
     """
     if not isinstance(tests, RecordTests):
         raise UserError(f"{tests.name}: metrics alone; expected a campaign with records, along which a term can act")
-    declared = tuple(declared)
     found = search(file, tests.sines, tests.loops, declared=declared, jobs=jobs, progress=progress)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()

@@ -5,7 +5,7 @@ A diagnosis, and what only it needs, is imported where it is asked for: fits and
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -24,12 +24,12 @@ from pipeclamp_identification.metrics_only.law import (
     rms,
 )
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
-from pipeclamp_identification.workflow.tests import RefittedLaw, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
-from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.law import BASE_LAW, Structure
 from pipeclamp_models.law.step import BeforeAfter
 
 if TYPE_CHECKING:
@@ -94,21 +94,12 @@ class MetricTests:
         return self
 
     def identify(
-        self,
-        *,
-        base: str = "power",
-        effects: Sequence[str] = (),
-        frozen: Mapping[str, float] | None = None,
-        method: Method = "joint",
-        declared: Iterable[Declaration] = (),
-        progress: Progress = silent,
+        self, structure: Structure = BASE_LAW, *, method: Method = "joint", progress: Progress = silent
     ) -> FittedToMetrics:
         """Fit a law to all metrics, see `Tests.identify`."""
         if method != "joint":
             raise UserError(f"method {method}: {self.name} holds metrics without records; expected the joint method")
-        found = identify_metrics(
-            self.campaign, base=base, effects=effects, frozen=frozen, declared=declared, progress=progress
-        )
+        found = identify_metrics(self.campaign, structure, progress=progress)
         return FittedToMetrics(self.campaign, found)
 
     def per(self, column: str) -> Mapping[str, MetricTests]:
@@ -145,7 +136,7 @@ class MetricTests:
         self,
         file: LawFile,
         *,
-        declared: Iterable[Declaration] = (),
+        declared: Collection[Declaration] = (),
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,

@@ -5,7 +5,7 @@ What one of these alone needs (comparison, diagnosis, metrics) is imported where
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,12 +17,12 @@ from pipeclamp_identification.fitting.identify import Identification, Method, fi
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_identification.workflow.tests import RefittedLaw, silent
+from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
-from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.law.law import BASE_LAW, Law, Structure
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import BeforeAfter
 
@@ -140,36 +140,26 @@ class RecordTests:
         return tuple(filter(None, (*self.campaign.remarks, self.campaign.smoothing.words())))
 
     def identify(
-        self,
-        *,
-        base: str = "power",
-        effects: Sequence[str] = (),
-        frozen: Mapping[str, float] | None = None,
-        method: Method = "joint",
-        declared: Iterable[Declaration] = (),
-        progress: Progress = silent,
+        self, structure: Structure = BASE_LAW, *, method: Method = "joint", progress: Progress = silent
     ) -> FittedToRecords:
         """Fit a law to all records of sines, see `Tests.identify`."""
-        found = identify(
-            self.sines, base=base, effects=effects, frozen=frozen, method=method, declared=declared,
-            progress=progress,
-        )  # fmt: skip
+        found = identify(self.sines, structure, method=method, progress=progress)
         return FittedToRecords(self.sines, found)
 
     def per(self, column: str) -> Mapping[str, RecordTests]:
         """Give the tests of each group, see `Tests.per`."""
         runs = self.sines.runs
-        columns = list(dict.fromkeys(name for run in runs for name, text in run.texts.items() if text))
+        columns = list(dict.fromkeys(name for run in runs for name, text in run.setup.texts.items() if text))
         if column not in columns:
             raise UserError(
                 f"column: got {column!r}; {did_you_mean(column, columns)}expected a column of texts in runs.csv, which "
                 f"has {', '.join(columns) or 'none'}"
             )
-        groups = sorted({run.texts[column] for run in runs})
-        if blank := [run.name for run in runs if not run.texts[column]]:
+        groups = sorted({run.setup.texts[column] for run in runs})
+        if blank := [run.name for run in runs if not run.setup.texts[column]]:
             raise UserError(f"column {column!r}: blank for run {', '.join(blank[:5])}; fill it in in runs.csv")
         return {
-            name: RecordTests(self.sines.of_runs(tuple(run for run in runs if run.texts[column] == name)))
+            name: RecordTests(self.sines.of_runs(tuple(run for run in runs if run.setup.texts[column] == name)))
             for name in groups
         }
 
@@ -218,7 +208,7 @@ class RecordTests:
         self,
         file: LawFile,
         *,
-        declared: Iterable[Declaration] = (),
+        declared: Collection[Declaration] = (),
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.workflow.tests import Identified, Tests, silent
+from pipeclamp_identification.workflow.tests import Identified, Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.law.law import Structure
 
 FEWEST_RUNS_OF_A_GROUP = 4
 """Fewer runs can't show how a law follows amplitude, frequency and temperature."""
@@ -32,12 +32,9 @@ class GroupLaw:
 def identify_per(
     tests: Tests,
     column: str,
+    structure: Structure,
     *,
-    base: str = "power",
-    effects: Sequence[str] = (),
-    frozen: Mapping[str, float] | None = None,
     method: Method = "joint",
-    declared: Iterable[Declaration] = (),
     progress: Progress = silent,
 ) -> tuple[GroupLaw, ...]:
     """Fit a law to each group of a column of texts by itself.
@@ -45,12 +42,12 @@ def identify_per(
     Args:
         tests: all runs.
         column: the column of runs.csv.
-        base, effects, frozen, method, declared, progress: as for `Tests.identify`.
+        structure, method, progress: as for `Tests.identify`.
 
     Raises:
         UserError: there is no such column, a group has too few runs, or can't serve the law; it is named.
     """
-    groups, declared = tests.per(column), tuple(declared)
+    groups = tests.per(column)
     counts = {name: len(own.metrics().runs) for name, own in groups.items()}
     if few := [f"{name} ({count})" for name, count in counts.items() if count < FEWEST_RUNS_OF_A_GROUP]:
         raise UserError(
@@ -61,9 +58,7 @@ def identify_per(
     for (name, own), stem in zip(groups.items(), stems(list(groups)), strict=True):
         progress(f"{column} {name}")
         try:
-            found = own.identify(
-                base=base, effects=effects, frozen=frozen, method=method, declared=declared, progress=progress
-            )
+            found = own.identify(structure, method=method, progress=progress)
         except UserError as error:
             raise UserError(f"{column} {name!r}: {error}") from error
         laws.append(GroupLaw(name, stem, own, found))

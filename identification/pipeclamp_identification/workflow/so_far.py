@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import LawFile
 
 if TYPE_CHECKING:
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 class SoFar:
     """The laws that a ladder has come to."""
 
-    def __init__(
-        self, tell: Progress, keep: Callable[[LawFile], None], say: Callable[[str], None] = lambda words: None
-    ) -> None:
+    def __init__(self, tell: Progress, keep: Callable[[LawFile], None], say: Progress = silent) -> None:
         """Begin at the foot.
 
         Args:

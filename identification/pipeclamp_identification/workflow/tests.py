@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pipeclamp_identification.diagnosis.named import Naming
+from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.law.law import BASE_LAW, Structure
 from pipeclamp_models.law.step import BeforeAfter
 
 if TYPE_CHECKING:
@@ -15,14 +17,8 @@ if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_identification.fitting.identify import Method
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
-    from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
     from pipeclamp_models.law.file import LawFile, Provenance
-    from pipeclamp_models.law.law import Structure
-
-
-def silent(what: str) -> None:
-    """Tell nobody what is being done."""
 
 
 class Held(Protocol):
@@ -146,23 +142,13 @@ class Tests(Protocol):
         """
 
     def identify(
-        self,
-        *,
-        base: str = "power",
-        effects: Sequence[str] = (),
-        frozen: Mapping[str, float] | None = None,
-        method: Method = "joint",
-        declared: Iterable[Declaration] = (),
-        progress: Progress = silent,
+        self, structure: Structure = BASE_LAW, *, method: Method = "joint", progress: Progress = silent
     ) -> Identified:
         """Fit a law to all runs.
 
         Args:
-            base: name of the base law.
-            effects: names of effects fitted with it.
-            frozen: values of parameters that are held, by name.
+            structure: of the law.
             method: "joint", or "surfaces", the paper's route by itself.
-            declared: a user's own effects.
             progress: is told what is being done.
 
         Raises:
@@ -203,7 +189,7 @@ class Tests(Protocol):
         self,
         file: LawFile,
         *,
-        declared: Iterable[Declaration] = (),
+        declared: Collection[Declaration] = (),
         limits: Limits | None = None,
         jobs: int = 1,
         progress: Progress = silent,

@@ -5,3 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 Progress = Callable[[str], None]
+
+
+def silent(what: str) -> None:
+    """Tell nobody what is being done."""

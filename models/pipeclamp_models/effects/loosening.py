@@ -24,7 +24,7 @@ EFFECT = Effect(
         Parameter(
             N_l,
             "-",
-            "cycles in which 63 % of the change happen",
+            "cycles in which 63% of the change happen",
             (0.1 * N_highest, 0.3 * N_highest, N_highest),
             lower=0.5,
             upper=3.0 * N_highest,

@@ -20,7 +20,7 @@ EFFECT = Effect(
     parameters=(
         Parameter(F_t, "N", "friction at speed", (0.05 * F_typical,) * 3, lower=0.0),
         Parameter(
-            v_t, "mm/s", "speed at which 76 % of that is reached", (0.1 * v_lowest, 0.3 * v_lowest, 0.5 * v_typical),
+            v_t, "mm/s", "speed at which 76% of that is reached", (0.1 * v_lowest, 0.3 * v_lowest, 0.5 * v_typical),
             lower=3e-3 * v_lowest, upper=2 * v_highest,
         ),
     ),

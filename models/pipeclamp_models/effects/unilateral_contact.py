@@ -48,7 +48,7 @@ EFFECT = Effect(
     "is as without it",
     parameters=(
         Parameter(
-            F_h, "N", "force at a depth of 1 mm at 20 degC; above 0 where it lies at y > 0",
+            F_h, "N", "force at a depth of 1 mm at 20 °C; above 0 where it lies at y > 0",
             tuple(
                 on * 0.4 * F_typical / ((1 - place) * A_highest / A_0) ** HERTZ
                 for on, place in zip(sides, places, strict=True)

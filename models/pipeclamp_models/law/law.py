@@ -153,6 +153,10 @@ class Structure:
         return {**find_base(self.base).fixed, **dict(self.frozen)}
 
 
+BASE_LAW = Structure()
+"""The base law without effects."""
+
+
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a structure: what they are in, and, where that is asked for, the mathematics itself.

@@ -73,7 +73,7 @@ def beyond_tests(file: LawFile, given: Mapping[str, npt.ArrayLike]) -> tuple[str
         interval = file.range.get(name if name in ("A", "f", "T") else signal_of(name))
         if interval is None or not np.size(values):
             continue
-        zero, unit = (CELSIUS, " degC") if name == "T" else (0.0, f" {interval.unit}" if name in ("A", "f") else "")
+        zero, unit = (CELSIUS, " °C") if name == "T" else (0.0, f" {interval.unit}" if name in ("A", "f") else "")
         low, high = interval.minimum - zero, interval.maximum - zero
         least, most = float(np.min(values)), float(np.max(values))
         margin = _margin(interval)

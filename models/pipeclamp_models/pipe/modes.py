@@ -138,7 +138,7 @@ class ReducedPipe:
         first = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:6])
         more = ", ..." if self.kept > 6 else ""
         lines = [
-            f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m2",
+            f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m²",
             f"{self.kept} modes kept for {self.up_to_Hz:g} Hz: {first}{more} Hz; "
             f"{len(self.omega) - self.kept} residual modes",
             f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
@@ -379,16 +379,16 @@ def _about_tables(description: PipeDescription) -> list[str]:
         hottest = find_fluid(table.fluid).hottest
         if table.temperature_C > hottest + WARM:
             lines.append(
-                f"{table.fluid} is taken with its density at {hottest:g} degC, the pipe is at "
-                f"{table.temperature_C:g} degC; give fluid = {{ density_kg_m3 = ... }} where that matters"
+                f"{table.fluid} is taken with its density at {hottest:g} °C, the pipe is at "
+                f"{table.temperature_C:g} °C; give fluid = {{ density_kg_m3 = ... }} where that matters"
             )
     if isinstance(table.material, str):
         material = find_material(table.material)
         known = min(max(table.temperature_C, material.coldest), material.hottest)
         if abs(table.temperature_C - known) > WARM:
             lines.append(
-                f"{table.material} is taken with its stiffness and expansion at {known:g} degC, where its table ends; "
-                f"the pipe is at {table.temperature_C:g} degC; give material = {{ E_GPa = ..., density_kg_m3 = ... }}"
+                f"{table.material} is taken with its stiffness and expansion at {known:g} °C, where its table ends; "
+                f"the pipe is at {table.temperature_C:g} °C; give material = {{ E_GPa = ..., density_kg_m3 = ... }}"
             )
     return lines
 

@@ -116,7 +116,7 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
     if "T" in values:
         values["T"] = values["T"] + CELSIUS
         if np.any(values["T"] <= 0):
-            raise UserError(f"force: T: got {np.min(given['T']):g} degC; expected temperatures above 0 K")
+            raise UserError(f"force: T: got {np.min(given['T']):g} °C; expected temperatures above 0 K")
     return {signal: values[signal] for signal in follows}
 
 

@@ -27,8 +27,8 @@ def _frame(record: Record, names=("time_s", "displacement_mm", "force_N")) -> pl
 def test_one_run_is_read_whole(campaign_folder):
     campaign = read_campaign(campaign_folder())
     (run,) = campaign.runs
-    assert (campaign.name, run.name, run.amplitude_mm, run.temperature_C) == ("small", "A", 0.8, 20.0)
-    assert run.specimen is None
+    assert (campaign.name, run.name, run.amplitude_mm, run.setup.temperature_C) == ("small", "A", 0.8, 20.0)
+    assert run.setup.specimen is None
     assert run.cycles.count == 5
     assert campaign.left_out == ()
 
@@ -72,9 +72,9 @@ def test_windows_line_ends_byte_order_mark_and_blanks_do_no_harm(campaign_folder
 def test_defaults_fill_what_the_table_leaves_open(campaign_folder):
     description = 'name = "d"\n[defaults]\ntemperature_C = 80\nspecimen = "S1"\nbolt_torque_Nm = 5.5\n'
     (run,) = read_campaign(campaign_folder(description, TABLE.replace(",20\n", ",\n"))).runs
-    assert (run.temperature_C, run.specimen, run.conditions["bolt_torque_Nm"]) == (80.0, "S1", 5.5)
+    assert (run.setup.temperature_C, run.setup.specimen, run.setup.conditions["bolt_torque_Nm"]) == (80.0, "S1", 5.5)
     (run,) = read_campaign(campaign_folder(description, folder="filled")).runs
-    assert run.temperature_C == 20.0
+    assert run.setup.temperature_C == 20.0
 
 
 def test_further_numbers_are_conditions_and_further_texts_remarks(campaign_folder, harmonic_record, csv_text):
@@ -82,8 +82,8 @@ def test_further_numbers_are_conditions_and_further_texts_remarks(campaign_folde
     text = csv_text(harmonic_record())
     campaign = read_campaign(campaign_folder(table=table, records={"runs/A.csv": text, "runs/B.csv": text}))
     assert campaign.condition_columns == ("current_A",)
-    assert campaign.runs[0].conditions["current_A"] == 0.5
-    assert math.isnan(campaign.runs[1].conditions["current_A"])
+    assert campaign.runs[0].setup.conditions["current_A"] == 0.5
+    assert math.isnan(campaign.runs[1].setup.conditions["current_A"])
 
 
 def test_a_measured_temperature_goes_before_the_tables(campaign_folder, harmonic_record):
@@ -129,7 +129,7 @@ def test_the_fingerprint_knows_the_content_not_the_place(campaign_folder, tmp_pa
         ("run,file,frequency_Hz\nA,runs/A.csv,0\n", ["row 2", "'frequency_Hz'", "'0'", "above 0 Hz"]),
         ("run,file,amplitude_mm\nA,runs/A.csv,-0.5\n", ["row 2", "'amplitude_mm'", "'-0.5'"]),
         ("run,file,amplitude_mm\nA,runs/A.csv,nan\n", ["row 2", "'amplitude_mm'", "'nan'", "blank"]),
-        ("run,file,temperature_C\nA,runs/A.csv,-273.15\n", ["row 2", "'temperature_C'", "above -273.15 degC"]),
+        ("run,file,temperature_C\nA,runs/A.csv,-273.15\n", ["row 2", "'temperature_C'", "above -273.15 °C"]),
         ("run,file,first_cycle\nA,runs/A.csv,-1\n", ["row 2", "'first_cycle'", "0 or more"]),
         ("run,file,density_g_cm3\nA,runs/A.csv,1e999\n", ["row 2", "'density_g_cm3'", "'1e999'"]),
         ("run,file,current_A\nA,runs/A.csv,1\nB,runs/B.csv,one\n", ["row 3", "'current_A'", "'one'"]),

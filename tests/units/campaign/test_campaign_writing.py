@@ -39,6 +39,19 @@ def test_the_temperature_of_a_record_is_kept_by_join(tmp_path, harmonic_record):
         np.testing.assert_array_equal(run.record.temperature_C, warm)
 
 
+def test_a_condition_that_isn_t_known_of_a_run_stays_so_in_join(tmp_path, harmonic_record):
+    for number, name in enumerate(("one", "two")):
+        runs = [
+            WrittenRun({**_row(run), "current_A": current}, harmonic_record(phase=number + 0.1 * place))
+            for place, (run, current) in enumerate({"A": 1.5, "B": None}.items())
+        ]
+        write_campaign(tmp_path / name, iter(runs), name=name, notes="")
+    both = [read_campaign(tmp_path / name) for name in ("one", "two")]
+    write_campaign(tmp_path / "all", joined_runs(both), name="all", notes="")
+    found = [run.setup.conditions["current_A"] for run in read_campaign(tmp_path / "all").runs]
+    np.testing.assert_array_equal(found, [1.5, np.nan, 1.5, np.nan])
+
+
 def test_a_record_that_is_there_twice_is_refused_by_join(tmp_path, harmonic_record):
     for name, run in (("one", "A"), ("two", "B")):
         write_campaign(tmp_path / name, iter([WrittenRun(_row(run), harmonic_record())]), name=name, notes="")

@@ -149,8 +149,8 @@ def test_conditions_stand_in_their_columns(tmp_path):
     law, conditions = truth.law, truth.conditions
     write_campaign(tmp_path / "v", virtual_runs(law, QUIET, conditions), name="v", notes="")
     campaign = read_campaign(tmp_path / "v")
-    assert {run.density_g_cm3 for run in campaign.runs} == {2.5}
-    assert {run.conditions["current_A"] for run in campaign.runs} == {1.5}
+    assert {run.setup.density_g_cm3 for run in campaign.runs} == {2.5}
+    assert {run.setup.conditions["current_A"] for run in campaign.runs} == {1.5}
     assert overall_nrmse(misfits(law, campaign, loops_of(campaign))) < 2e-3
 
 

@@ -107,7 +107,7 @@ def test_temperatures_between_others_are_asked_too(tested, tmp_path):
     declared = (read_declaration(tmp_path / "bump.toml"),)
     law, problem = judged(tested(("bump",), {"s_b": 0.05}, declared=declared), Structure("power"))
     worst = worst_level(law, problem)
-    assert (worst.condition, worst.level) == ("T", "150 degC")
+    assert (worst.condition, worst.level) == ("T", "150 °C")
     assert worst.share > FORM_NOISE_SHARE
 
 

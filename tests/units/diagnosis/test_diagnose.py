@@ -210,10 +210,10 @@ def test_what_nobody_stated_is_no_effect(campaign):
     plan = replace(PLAN, amplitudes=(0.3, 0.6, 1.0), frequencies=(1.0, 3.0, 5.0), temperatures=(20.0, 150.0, 300.0))
     stated = campaign(plan=plan, k1_T=-0.2)
     runs = [
-        replace(run, temperature_C=None)
+        replace(run, setup=replace(run.setup, temperature_C=None))
         for run in stated.runs
-        if not (run.frequency_Hz < 2.0 and run.temperature_C > 250.0)
-        and not (run.frequency_Hz > 4.0 and run.temperature_C < 50.0)
+        if not (run.frequency_Hz < 2.0 and run.setup.temperature_C > 250.0)
+        and not (run.frequency_Hz > 4.0 and run.setup.temperature_C < 50.0)
     ]
     diagnosis = diagnose(Structure("power"), replace(stated, runs=tuple(runs)))
     assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())
@@ -313,10 +313,10 @@ def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     """A ladder that took the one for the other gets to the one that is there, and stays."""
     tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
-    taken = identify(tests, effects=("hardening",)).fit.law
+    taken = identify(tests, Structure(effects=("hardening",))).fit.law
     better, *_ = better_structures(ask_again(taken, loops), silent)
     assert better == Structure("power", ("end_stop",))
-    assert not better_structures(ask_again(identify(tests, effects=better.effects).fit.law, loops), silent)
+    assert not better_structures(ask_again(identify(tests, Structure(effects=better.effects)).fit.law, loops), silent)
 
 
 def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
@@ -325,7 +325,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     truth = Law(Structure("series:1:2"), {**values, "r_A": 0.0, "r_f": 0.0}, 0.0126, 0.002)
     write_campaign(tmp_path / "campaign", rig.virtual_runs(truth, PLAN), name="virtual", notes="")
     tests = read_campaign(tmp_path / "campaign")
-    taken = identify(tests, effects=("oil_damper",)).fit.law
+    taken = identify(tests, Structure(effects=("oil_damper",))).fit.law
     structures = better_structures(ask_again(taken, loops_of(tests)), silent)
     assert structures == [Structure("series:1:2", ("oil_damper",)), Structure("series:1:2")]
 
@@ -339,7 +339,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
 )
 def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, hidden, values, expected):
     tests, taken = campaign((hidden,), **values), "gas_spring"
-    asked = ask_again(identify(tests, effects=(taken,)).fit.law, loops_of(tests))
+    asked = ask_again(identify(tests, Structure(effects=(taken,))).fit.law, loops_of(tests))
     assert simpler_structure(asked, (), silent) is None
     assert simpler_structure(asked, (taken,), silent) == (expected and Structure("power", (expected,)))
 
@@ -363,7 +363,7 @@ def test_limits_that_cant_serve(text):
         ("A=0.1..2 mm", "write A=0.1..2"),
         ("f=20..0.5", "the lower end first; write f=0.5..20"),
         ("A=0..1", "above 0 mm; write A=..1"),
-        ("T=-300..30", "above -273.15 degC; write T=..30"),
+        ("T=-300..30", "above -273.15 °C; write T=..30"),
         ("v=5..300", "the largest velocity alone; write v=..300"),
         ("F=300", "write F=..300"),
         ("a=1..2", "expected A=0.1..2,f=0.5..20"),

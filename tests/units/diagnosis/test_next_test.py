@@ -146,13 +146,15 @@ def test_the_drive_is_drawn_and_named(answer, tmp_path):
 
 def test_no_temperature_is_made_up_where_the_tests_have_none(narrow, law, answer):
     """Not the assumed one, and not one within the rig's limits either; else it is the same proposal."""
-    bare = replace(narrow, runs=tuple(replace(run, temperature_C=None) for run in narrow.runs))
+    bare = replace(
+        narrow, runs=tuple(replace(run, setup=replace(run.setup, temperature_C=None)) for run in narrow.runs)
+    )
     diagnosis = diagnosed(law, bare, limits=parse_limits("A=0.1..1.5,f=0.5..20,T=100..200")).diagnosis
     for limits in (None, parse_limits("A=0.1..1.5,f=0.5..20,T=100..200")):
         proposal = next_test(diagnosis, limits)
         assert proposal.temperature_C is None
         assert "Hz, the temperature of the tests so far, " in proposal.words()
-        assert "degC" not in proposal.words()
+        assert "°C" not in proposal.words()
         assert set(proposal.motion.slow["T"].ravel()) == {293.15}
     assert proposal.amplitude_mm == pytest.approx(answer.proposal.amplitude_mm)
     assert proposal.frequency_Hz == pytest.approx(answer.proposal.frequency_Hz)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from project import BUILD_SCRIPTS
 
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.law.catalogue import find_effect, listed
 from pipeclamp_models.realise.effect_loops import SEEN_SHARE, loops_with_and_without
 
@@ -31,7 +32,7 @@ def test_a_page_tells_all_that_the_effect_states(effect):
     for words in (effect.looks_like, effect.told_apart_by, "drawn 5 times"):
         assert words in text
     for parameter in effect.parameters:
-        assert f"| `{parameter.name}` | {parameter.unit} | {parameter.meaning}" in text.replace("\\|", "|")
+        assert f"| `{parameter.name}` | {unit_shown(parameter.unit)} | {parameter.meaning}" in text.replace("\\|", "|")
     for stage in effect.stages:
         assert f"\n{stage.symbol}, {stage.meaning}:\n" in text
     assert text.count("$$") >= 2

@@ -68,7 +68,7 @@ def test_other_lines_state_none(row):
 
 
 def temperatures(folder):
-    return {row.run: row.temperature_C for row in read_runs_table(folder, read_description(folder)).rows}
+    return {row.run: row.setup.temperature_C for row in read_runs_table(folder, read_description(folder)).rows}
 
 
 def header(line):

@@ -192,7 +192,7 @@ def test_a_column_that_is_filled_now_and_then_counts_and_sheets_without_a_test_a
     )
     found = pc.import_files(path, tmp_path / "c")
     (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
-    assert run.temperature_C == 80.0
+    assert run.setup.temperature_C == 80.0
     assert "a.xlsx: left aside, without time, displacement and force: 'Summary'" in found.notes
     assert any("'OVLD' in row 2" in note for note in found.notes)
 
@@ -204,7 +204,7 @@ def test_a_last_column_that_is_blank_in_most_rows_counts(tmp_path, every):
     (tmp_path / "a.csv").write_text("\n".join([lines[0], *rows]), encoding="utf-8")
     pc.import_files(tmp_path / "a.csv", tmp_path / "c")
     (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
-    assert run.temperature_C == 80.0
+    assert run.setup.temperature_C == 80.0
     assert len(run.record.time_s) == len(RUN.time)
 
 
@@ -353,7 +353,7 @@ def test_structures_call_their_runs_and_state_what_holds_for_them(tmp_path):
     assert list(found.to_frame()["run"]) == ["day_A0.3_f2", "day_A0.8_f2"]
     assert list(found.to_frame()["temperature_C"]) == [40.0, 41.0]
     runs = pc.read_campaign(tmp_path / "c").tests.campaign.runs
-    assert {run.specimen for run in runs} == {"B 7"}
+    assert {run.setup.specimen for run in runs} == {"B 7"}
 
 
 def test_units_that_programs_keep_beside_the_samples_count(tmp_path):
@@ -396,7 +396,7 @@ def test_each_channel_behind_its_own_time_goes_by_it(tmp_path):
     within = (RUN.time >= slow[0]) & (RUN.time <= slow[-1])
     np.testing.assert_allclose(run.record.displacement_mm, RUN.y[within], atol=1e-6)
     np.testing.assert_allclose(run.record.force_N, np.interp(RUN.time[within], slow, columns[3]), atol=1e-5)
-    assert run.temperature_C == pytest.approx(np.mean(np.interp(RUN.time[within], few, [20, 30])), abs=0.01)
+    assert run.setup.temperature_C == pytest.approx(np.mean(np.interp(RUN.time[within], few, [20, 30])), abs=0.01)
 
 
 def test_a_slow_channel_joins_the_one_test_and_stands_still_beyond_its_ends():
@@ -449,12 +449,12 @@ def test_properties_of_a_tdms_file_state_what_its_records_dont_show(tmp_path):
     found = pc.import_files([tmp_path / "day.tdms"], tmp_path / "campaign")
     assert any("specimen" in note and "temperature_C" in note for note in found.notes)
     read = pc.read_campaign(tmp_path / "campaign").tests.campaign.runs
-    assert [(run.specimen, run.temperature_C) for run in read] == [("A-17", 20.0), ("A-17", 21.0)]
+    assert [(run.setup.specimen, run.setup.temperature_C) for run in read] == [("A-17", 20.0), ("A-17", 21.0)]
     assert [run.amplitude_mm for run in read] == pytest.approx([0.5, 0.3], rel=1e-2)
     # what a pattern states counts more
     pc.import_files([tmp_path / "day.tdms"], tmp_path / "stated", pattern="Run_{specimen}")
     read = pc.read_campaign(tmp_path / "stated").tests.campaign.runs
-    assert [run.specimen for run in read] == ["0", "1"]
+    assert [run.setup.specimen for run in read] == ["0", "1"]
 
 
 def test_what_files_properties_state_alike_is_told_once(tmp_path):

@@ -27,7 +27,7 @@ def test_every_format_gives_the_same_campaign(tmp_path, kind):
     campaign = assert_same_campaign(
         tmp_path / "campaign", runs, force_step=writer.relative * 1e4, y_step=writer.relative * 10, t_step=1e-9
     )
-    assert {run.temperature_C for run in campaign.runs} == {20.0, 150.0}
+    assert {run.setup.temperature_C for run in campaign.runs} == {20.0, 150.0}
     assert "Last" in found.to_dict()["columns"][f"{runs[0].name}{writer.ending}"]["force_N"]
 
 

@@ -94,7 +94,7 @@ def test_an_analysers_table_becomes_a_campaign_of_metrics(tmp_path):
     assert view.lines[-1].startswith("Next: pipeclamp identify") and len(view.tables[1].rows) == 16
     campaign = read_tests(tmp_path / "c").campaign
     run = campaign.runs[3]
-    assert (run.frequency_Hz, run.temperature_C, run.amplitude_mm) == (4.0, 20.0, pytest.approx(AMPLITUDE))
+    assert (run.frequency_Hz, run.setup.temperature_C, run.amplitude_mm) == (4.0, 20.0, pytest.approx(AMPLITUDE))
     assert run.stiffness == pytest.approx(math.hypot(STORAGE[3], LOSS[3]), rel=1e-4)
     assert run.dissipated_energy_J == pytest.approx(math.pi * LOSS[3] * AMPLITUDE**2 / 1e3, rel=1e-4)
     assert pc.identify(found.tests()).to_dict()
@@ -224,7 +224,7 @@ def test_later_files_of_results_join_and_known_ones_change_nothing(tmp_path):
     assert {run["file"] for run in answer["runs"]} == {"one.csv", "two.csv"}
     campaign = read_tests(folder).campaign
     assert (campaign.name, campaign.notes, len(campaign.runs)) == ("mount", "rubber", 12)
-    assert [run.temperature_C for run in campaign.runs[::6]] == [23.0, None]
+    assert [run.setup.temperature_C for run in campaign.runs[::6]] == [23.0, None]
     assert (folder / "campaign.toml").read_text().startswith("# mine\n")
     with pytest.raises(UserError, match="holds a file of this name with other content"):
         pc.import_files(sweep(tmp_path / "two.csv", plain(1.2)), folder)
@@ -261,8 +261,9 @@ def test_files_without_results_may_be_left_out_beside_others(tmp_path):
 
 
 def test_nothing_is_written_where_the_columns_arent_confirmed(tmp_path):
-    from pipeclamp_identification.importing.results.whole import import_any
+    from pipeclamp_identification.importing.request import ImportRequest
     from pipeclamp_identification.importing.stated import Options
+    from pipeclamp_identification.importing.whole import import_campaign
 
     shown = []
 
@@ -271,8 +272,9 @@ def test_nothing_is_written_where_the_columns_arent_confirmed(tmp_path):
         return False
 
     file = sweep(tmp_path / "one.csv", plain())
+    request = ImportRequest([file], tmp_path / "c", Options(), page=lambda found: "", confirm=refused)
     with pytest.raises(UserError, match="nothing was written: the import wasn't confirmed"):
-        import_any([file], tmp_path / "c", Options(), page=lambda found: "", confirm=refused)
+        import_campaign(request)
     assert shown == ["amplitude", "frequency", "storage_stiffness", "loss_stiffness"]
     assert [path.name for path in tmp_path.iterdir()] == ["one.csv"]
 
@@ -332,5 +334,5 @@ def test_specimens_and_temperatures_beside_the_columns_are_taken(tmp_path):
     (tmp_path / "a.csv").write_text(f"Test temperature: 23 °C\n\n{text}", encoding="utf-8")
     found = pc.import_files(tmp_path / "a.csv", tmp_path / "c")
     runs = read_tests(tmp_path / "c").campaign.runs
-    assert [run.specimen for run in runs] == ["B9", "A7"] * 3
-    assert {run.temperature_C for run in runs} == {23.0} and "counts as blank" not in " ".join(found.notes)
+    assert [run.setup.specimen for run in runs] == ["B9", "A7"] * 3
+    assert {run.setup.temperature_C for run in runs} == {23.0} and "counts as blank" not in " ".join(found.notes)

@@ -387,14 +387,14 @@ def test_conditions_come_from_a_table_and_from_channels(tmp_path):
     (tmp_path / "set.csv").write_text("file;temperature_C;specimen\nx.csv;21,5;s7\n")
     pc.import_files(tmp_path / "x.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
     (read,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
-    assert (read.temperature_C, read.specimen) == (21.5, "s7")
+    assert (read.setup.temperature_C, read.setup.specimen) == (21.5, "s7")
     lines = text(run, names="Time [s];Displacement [mm];Force [kN];Oil [K];Current [mA]").splitlines()
     content = "\n".join(line + (";300,15;250" if index > 3 else "") for index, line in enumerate(lines))
     (tmp_path / "y.csv").write_text(content)
     pc.import_files(tmp_path / "y.csv", tmp_path / "d", columns="current_A=Current [mA]")
     (read,) = pc.read_campaign(tmp_path / "d").tests.campaign.runs
-    assert read.temperature_C == pytest.approx(27.0)
-    assert read.conditions == pytest.approx({"current_A": 0.25})
+    assert read.setup.temperature_C == pytest.approx(27.0)
+    assert read.setup.conditions == pytest.approx({"current_A": 0.25})
 
 
 @pytest.mark.parametrize(
@@ -410,7 +410,7 @@ def test_a_table_of_conditions_states_its_units_by_names_or_a_row(tmp_path, rows
     (tmp_path / "set.csv").write_text(rows + "\n")
     pc.import_files(tmp_path / "x.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
     (read,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
-    assert (read.temperature_C, read.amplitude_mm) == pytest.approx((temperature, amplitude))
+    assert (read.setup.temperature_C, read.amplitude_mm) == pytest.approx((temperature, amplitude))
 
 
 def test_a_table_of_conditions_that_meets_no_run_is_told(tmp_path):

@@ -108,7 +108,7 @@ def test_every_dialect_gives_the_same_campaign(tmp_path, dialect):
     found = pc.import_files(folder, tmp_path / "campaign", pattern="T{temperature_C}")
     assert not found.notes
     campaign = assert_same_campaign(tmp_path / "campaign", runs)
-    assert [run.temperature_C for run in campaign.runs] == [
+    assert [run.setup.temperature_C for run in campaign.runs] == [
         run.temperature for run in sorted(runs, key=lambda run: run.name + ".csv")
     ]
 

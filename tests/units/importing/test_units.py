@@ -66,7 +66,7 @@ OWN = ("time_s", "displacement_mm", "force_N")
         ({"temperature": lambda T: T + 273.15}, "K for °C in the record"),
         ({"temperature": lambda T: 1.8 * T + 32}, "°F for °C in the record"),
         ({"temperature": lambda T: T, "stated": {"temperature_C": lambda T: T + 273.15}}, "K for °C in runs.csv"),
-        ({"temperature": lambda T: -300.0}, r"-300 degC in row 2; expected above -273\.15"),
+        ({"temperature": lambda T: -300.0}, r"-300 °C in row 2; expected above -273\.15"),
     ],
 )
 def test_a_unit_that_contradicts_what_is_stated_is_refused(campaign, changes, told):

@@ -120,3 +120,7 @@ def test_names_of_words_are_upright_and_those_of_greek_letters_are_letters():
 def test_a_sum_begins_without_a_minus_where_it_can():
     assert latex(1 - a * z) == "1 - a z"
     assert latex(-a - z) == "- a - z"
+
+
+def test_a_power_of_a_sign_stands_on_its_name():
+    assert latex(sp.sign(a) ** 2) == r"\operatorname{sgn}^{2}{\left(a \right)}"

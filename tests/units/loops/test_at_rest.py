@@ -8,6 +8,7 @@ import pytest
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.fitting.identify import identify
 from pipeclamp_identification.loops.loops import by_stretch, loops_of
+from pipeclamp_models.law.law import Structure
 
 AMPLITUDES = (2.0, 3.0, 4.0, 6.0)
 FREQUENCIES = (0.5, 1.0)
@@ -71,6 +72,6 @@ def test_what_begins_in_motion_elsewhere_or_is_held_by_friction_denies_nothing(d
 
 def test_a_constant_force_that_rest_denies_is_held_with_the_reason(device):
     for given, denied in ((SLIPS_MORE_ONE_WAY, True), (PRELOADED, False)):
-        fit = identify(device(**given), effects=("offset",)).fit
+        fit = identify(device(**given), Structure(effects=("offset",))).fit
         assert ("at rest" in fit.frozen.get("F_o", "")) is denied
         assert fit.law.values["F_o"] == pytest.approx(0.0 if denied else -100.0, abs=15.0)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
@@ -35,8 +36,8 @@ def metrics(effects=(), scatter=0.003, seed=0, **values):
     energies = np.stack(loop_energies(motion, force_of_law(law, motion).force), axis=1)
     energies *= np.exp(scatter * random.standard_normal(energies.shape))
     runs = tuple(
-        MetricRun(f"r{row}", None, *condition, None, 0.0, {}, *(float(f"{one:.4f}") for one in pair), (1e-4, 1e-4))
-        for row, (condition, pair) in enumerate(zip(CROSS, energies, strict=True))
+        MetricRun(f"r{row}", Setup(temperature_C=T), A, f, *(float(f"{one:.4f}") for one in pair), (1e-4, 1e-4))
+        for row, ((A, f, T), pair) in enumerate(zip(CROSS, energies, strict=True))
     )
     return MetricCampaign("virtual", "", "none", runs, (), ())
 
@@ -54,7 +55,7 @@ def test_scatter_alone_is_complete():
     likeliest = diagnosis.candidates[0]
     _, hint, _ = diagnosis.reasons
     assert hint.startswith(f"no effect gains more than scatter does; of the likeliest, {likeliest.name}, scatter alone")
-    assert " 100 % " not in hint
+    assert " 100% " not in hint
     assert diagnosis.explained(likeliest) == 0.0  # nothing is missing of which it could explain a share
 
 

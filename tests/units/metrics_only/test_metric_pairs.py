@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
@@ -42,8 +43,8 @@ def metrics(effects, values, scatter=0.003):
     energies = np.stack(loop_energies(motion, force), axis=1)
     energies *= np.exp(scatter * np.random.default_rng(0).standard_normal(energies.shape))
     runs = tuple(
-        MetricRun(f"r{row}", None, *condition, None, 0.0, {}, *(float(f"{one:.4g}") for one in pair), (1e-4, 1e-4))
-        for row, (condition, pair) in enumerate(zip(GRID, energies, strict=True))
+        MetricRun(f"r{row}", Setup(temperature_C=T), A, f, *(float(f"{one:.4g}") for one in pair), (1e-4, 1e-4))
+        for row, ((A, f, T), pair) in enumerate(zip(GRID, energies, strict=True))
     )
     return MetricCampaign("virtual", "", "none", runs, (), ())
 
@@ -91,7 +92,7 @@ def test_a_part_is_named_where_much_remains():
     clean = metrics(TOGETHER, RUBBER)
 
     def differing(run: MetricRun) -> MetricRun:
-        odd = (-1) ** (FREQUENCIES.index(run.frequency_Hz) + TEMPERATURES.index(run.temperature_C))
+        odd = (-1) ** (FREQUENCIES.index(run.frequency_Hz) + TEMPERATURES.index(run.setup.temperature_C))
         dissipated, elastic = (math.exp(share * odd) for share in (0.15, -0.1))
         return replace(
             run,

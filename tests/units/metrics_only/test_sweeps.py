@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from pipeclamp.pages.sweeps import of_energy, of_phase, sweep_picture, sweep_sections
+from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
 from pipeclamp_identification.metrics_only.sweeps import sweeps_of
 
@@ -18,7 +19,7 @@ def campaign(settings) -> MetricCampaign:
     """Tests at (amplitude, frequency, temperature), each set with half a per cent of scatter."""
     runs = tuple(
         MetricRun(
-            f"r{place}", None, A * (1 + 0.005 * SCATTER.uniform(-1, 1)), f, T, None, 0.0, {}, 0.1 * A**2, 0.5 * A**2,
+            f"r{place}", Setup(temperature_C=T), A * (1 + 0.005 * SCATTER.uniform(-1, 1)), f, 0.1 * A**2, 0.5 * A**2,
             (0.0, 0.0),
         )
         for place, (A, f, T) in enumerate(settings)
@@ -64,10 +65,10 @@ def test_one_setting_has_no_picture():
 
 @pytest.mark.parametrize("eta", [0.01, 0.5, 1.0])
 def test_a_loss_angle_is_that_of_a_sine(eta):
-    run = MetricRun("r", None, 1.0, 1.0, None, None, 0.0, {}, 2 * math.pi * eta, 1.0, (0.0, 0.0))
+    run = MetricRun("r", Setup(), 1.0, 1.0, 2 * math.pi * eta, 1.0, (0.0, 0.0))
     assert math.sin(run.loss_angle) == pytest.approx(eta)
 
 
 def test_a_loop_that_is_fuller_than_a_sines_has_no_loss_angle():
-    run = MetricRun("r", None, 1.0, 1.0, None, None, 0.0, {}, 7.0, 1.0, (0.0, 0.0))
+    run = MetricRun("r", Setup(), 1.0, 1.0, 7.0, 1.0, (0.0, 0.0))
     assert math.isnan(run.loss_angle)

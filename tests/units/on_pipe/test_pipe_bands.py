@@ -61,7 +61,7 @@ def test_what_lies_outside_is_counted(tmp_path):
     off = own * np.where(np.arange(len(own)) < 3, 3.0, 1.0)
     bands = pipe_bands(path, compare_pipe(path, measured(folder, off)), 95.0)
     assert int(bands.outside.sum()) == 3
-    assert "3 of 10 measured amplitudes (30%) lie outside the model's 95 % band" in bands.words()[0]
+    assert "3 of 10 measured amplitudes (30%) lie outside the model's 95% band" in bands.words()[0]
     assert bands.answer().share_outside == pytest.approx(0.3)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from html import unescape
 from html.parser import HTMLParser
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -24,8 +25,11 @@ from pipeclamp.pages.waterfall import LEFT_OUT, RungBars, waterfall_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import FitQuality
+from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.reading.text import law_statements
 
 THETA = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 PANEL = LoopPanel("run", np.cos(THETA), np.sin(THETA), None)
@@ -185,3 +189,35 @@ def test_the_page_of_a_law_says_what_its_equations_hold_beside_parameters():
     (*_, words) = law_sections(open_law("emwm2"))[0].paragraphs
     assert words.startswith("Here ") and "T_0 = 293.15 K (reference temperature)" in words
     assert "mm/s (velocity below which sgn v is smooth)" in words and "rho_0" not in words
+
+
+def test_a_law_s_equations_are_set_without_a_script_or_a_network():
+    """Each coefficient of a law with memory, behind clearance, and one whose arm has stages."""
+    from pipeclamp.pages.law import law_sections
+
+    law = open_law("emwm2")
+    section = law_sections(law)[0]
+    words = [one.words for one in section.formulas]
+    assert words == ["force, N", "k1, N/mm", "k3, N/mm³", "c, N", "alpha"]
+    page = render("law", "", [section])
+    assert page.count("<math ") == len(words) and "<mfrac>" in page
+    assert not re.search(r"<(script|link|img)[^>]*(src|href)=", page)
+    assert "k10 (A/A_0)" not in page
+
+
+@pytest.mark.parametrize(
+    "effects", [("memory:2",), ("play",), ("relaxation", "relaxation_temperature"), ("oil_damper",)]
+)
+def test_every_statement_of_a_law_becomes_mathml(effects):
+    for one in law_statements(Structure("power", effects).equations.composed):
+        root = ElementTree.fromstring(one.mathml)
+        assert root.get("alttext") == one.latex
+        assert not [text for text in root.itertext() if "\\" in text], "LaTeX that wasn't turned"
+
+
+@pytest.mark.parametrize(
+    ("unit", "shown"),
+    [("N/mm3", "N/mm³"), ("N s10/mm10", "N s¹⁰/mm¹⁰"), ("g/cm^3", "g/cm³"), ("degC", "°C"), ("1/K", "1/K"), ("-", "-")],
+)
+def test_a_unit_is_read_as_people_write_it(unit, shown):
+    assert unit_shown(unit) == shown

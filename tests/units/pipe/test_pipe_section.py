@@ -116,11 +116,11 @@ def test_an_anchored_pipe_that_buckles_says_so() -> None:
 def test_a_hot_fluid_without_a_table_is_said() -> None:
     text = PIPE.format(more="", temperature=200.0, pipe="", left="pinned")
     hot = parse_pipe(text.replace('"water"', '"hydraulic oil"'))
-    assert "hydraulic oil is taken with its density at 20 degC" in reduce(hot).summary()
+    assert "hydraulic oil is taken with its density at 20 °C" in reduce(hot).summary()
     assert "density at" not in reduce(described(temperature=200.0)).summary()
 
 
-@pytest.mark.parametrize(("temperature", "end"), [(600.0, "at 200 degC, where its table ends"), (-150.0, "at 25 degC")])
+@pytest.mark.parametrize(("temperature", "end"), [(600.0, "at 200 °C, where its table ends"), (-150.0, "at 25 °C")])
 def test_a_material_beyond_its_table_is_said(temperature: float, end: str) -> None:
     def aluminium(temperature: float) -> str:
         text = PIPE.format(more="", temperature=temperature, pipe="", left="pinned").replace('"water"', '"empty"')

@@ -119,7 +119,7 @@ def test_a_run_errs_as_compare_says(studio, campaign, home):
 def test_the_page_says_what_compare_says(studio, campaign, home):
     nrmse = pc.compare(home / "law1.json", campaign).nrmse
     page = studio.ask("/c/virtual/laws/law1")[2].decode()
-    assert f'<span class="big">{100 * nrmse:.2f} %</span>' in page
+    assert f'<span class="big">{100 * nrmse:.2f}%</span>' in page
     assert page.count('class="cell') == 8
 
 

@@ -47,7 +47,7 @@ def bands_section(bands: ResponseBands) -> Section:
             of_peak, of_frequency = ([band.value, band.low, band.high] for band in (peak.amplitude, peak.frequency))
             name = label(curve.temperature, curve.level)
             rows.append((name, point, *of_peak, *of_frequency, *shares_of(peak.amplitude)))
-    table = Table(header, rows, f"peaks with their {bands.per_cent:g} % bands, and the shares of their variance")
+    table = Table(header, rows, f"peaks with their {bands.per_cent:g}% bands, and the shares of their variance")
     return Section("How sure", (*bands.words(), WORDS), [table])
 
 
@@ -57,7 +57,7 @@ def run_bands_section(bands: RunBands) -> Section:
     rows: list[tuple[str | float, ...]] = [
         (one.name, one.band.value, one.band.low, one.band.high, one.unit, *shares_of(one.band)) for one in bands.told
     ]
-    table = Table(header, rows, f"{bands.per_cent:g} % bands, and the shares of their variance")
+    table = Table(header, rows, f"{bands.per_cent:g}% bands, and the shares of their variance")
     return Section("How sure", (*bands.words(), RUN_WORDS), [table])
 
 

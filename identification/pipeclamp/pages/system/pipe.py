@@ -22,6 +22,7 @@ from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.on_pipe.where import beyond_laws, how_much, where_words
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import ComplexArray
+from pipeclamp_models.base.units import unit_shown
 
 MEASURED_NAME = "measured"
 CORRECTED = SERIES[0]
@@ -104,7 +105,7 @@ def response_picture(
             low, high = (end[one.rows, column] * drive / probe.scale for end in (bands.low, bands.high))
             there = np.flatnonzero(np.isfinite(low))
             there = there[np.argsort(x[there], kind="stable")]
-            name = f"{bands.per_cent:g} % band" if panel == 1 else ""
+            name = f"{bands.per_cent:g}% band" if panel == 1 else ""
             add_area(figure, x[there], low[there], high[there], name, MODEL, FAINT, row=1, col=panel)
         figure.update_xaxes(title_text="f / Hz", row=2, col=panel)
     figure.update_yaxes(title_text=_axis(probe), row=1, col=1)
@@ -125,11 +126,11 @@ def _worst(comparison: PipeComparison, series: Sequence[Series], column: int) ->
 
 def _panel_title(comparison: PipeComparison, one: Series, column: int) -> str:
     error = comparison.part("", one.rows, np.array([column])).nrmse
-    return f"{one.label}<br>error {100 * error:.3g} %" if error is not None else one.label
+    return f"{one.label}<br>error {100 * error:.3g}%" if error is not None else one.label
 
 
 def _axis(probe: ProbeTable) -> str:
-    return f"{QUANTITIES[probe.order]} / {probe.unit}"
+    return f"{QUANTITIES[probe.order]} / {unit_shown(probe.unit)}"
 
 
 def map_picture(comparison: PipeComparison, series: Sequence[Series]) -> go.Figure:

@@ -16,6 +16,7 @@ from pipeclamp_identification.on_pipe.measurement import QUANTITIES
 from pipeclamp_identification.on_pipe.record_motion import RecordPrediction
 from pipeclamp_identification.on_pipe.records import RecordPair, RecordsComparison, records_words
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.units import unit_shown
 
 ROW = 260
 PERIODS = 15
@@ -79,7 +80,7 @@ def _record_in(
             spectrum = go.Scatter(x=frequency[inside], y=lines[inside], showlegend=False, **style)
             figure.add_trace(spectrum, **over_frequency)
         last = index == len(probes) - 1
-        figure.update_yaxes(title_text=f"{QUANTITIES[probe.order]} / {probe.unit}", **over_time)
+        figure.update_yaxes(title_text=f"{QUANTITIES[probe.order]} / {unit_shown(probe.unit)}", **over_time)
         figure.update_xaxes(range=[begin, end], matches="x", title_text="t / s" if last else None, **over_time)
         figure.update_xaxes(title_text="f / Hz" if last else None, **over_frequency)
     figure.update_annotations(font={"size": 12})

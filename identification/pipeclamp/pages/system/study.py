@@ -104,7 +104,7 @@ def _bands_words(study: Study, fine: pl.DataFrame, points: list[str]) -> list[st
             widest = known.sort((pl.col(high) - pl.col(low)) / pl.col(name), descending=True).row(0, named=True)
             where = ", ".join(axis_setting(axis, widest[axis]) for axis in study.description.axes)
             lines.append(
-                f"{name.removesuffix(LEVEL)} is least sure at {where}: {widest[name]:.4g} mm ({study.per_cent:g} %: "
+                f"{name.removesuffix(LEVEL)} is least sure at {where}: {widest[name]:.4g} mm ({study.per_cent:g}%: "
                 f"{widest[low]:.4g} to {widest[high]:.4g})"
             )
     return lines

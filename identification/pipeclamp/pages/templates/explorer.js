@@ -123,7 +123,7 @@ function excessColour(excess) {
   return { background: `rgb(${mixed.join(",")})`, dark: 0.2126 * red + 0.7152 * green + 0.0722 * blue < 0.18 };
 }
 
-const percent = (share) => `${(100 * share).toPrecision(3)} %`;
+const percent = (share) => `${(100 * share).toPrecision(3)}%`;
 const short = (value) => (value >= 10 ? value.toFixed(0) : value.toFixed(1));
 
 function element(name, attributes = {}, ...children) {

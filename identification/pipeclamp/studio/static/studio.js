@@ -6,7 +6,7 @@ import { drawRun } from "./draw.js";
 const { key, law, worst } = document.body.dataset;
 const beside = document.body.dataset.with;
 const base = `/c/${encodeURIComponent(key)}`;
-const percent = (share) => `${(100 * share).toPrecision(3)} %`;
+const percent = (share) => `${(100 * share).toPrecision(3)}%`;
 const cells = [...document.querySelectorAll(".map .cell")];
 const runs = [...new Set(cells.flatMap((cell) => cell.dataset.runs.split("|")))];
 let shown = null; // the run that is drawn, with its laws

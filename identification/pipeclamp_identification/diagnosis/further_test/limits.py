@@ -59,7 +59,7 @@ class Limits:
 RANGES = {"A": "amplitude", "f": "frequency", "T": "temperature"}
 QUANTITY_WORDS = {"v": "velocity", "F": "force"}
 SUCH_AS = {"A": "2", "f": "20", "T": "300", "v": "300", "F": "5000"}
-LIMIT_UNITS = {"A": "mm", "f": "Hz", "T": "degC", "v": "mm/s", "F": "N"}
+LIMIT_UNITS = {"A": "mm", "f": "Hz", "T": "°C", "v": "mm/s", "F": "N"}
 ALL_ABOVE = {"A": 0.0, "f": 0.0, "T": -CELSIUS, "v": 0.0, "F": 0.0}
 """What both ends lie above."""
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?"
@@ -216,7 +216,15 @@ def drivable_grid(
 
 
 def stated_levels(values: Array, low: float, high: float) -> Array:
-    """Give levels between two ends, as they are said, to three digits; levels beyond an end move to it."""
+    """Give levels between two ends, as they are said, to three digits; levels beyond an end move to it.
+
+    Args:
+        values: levels, shape (n,), in the unit of the ends.
+        low, high: the ends.
+
+    Returns:
+        levels in rising order, each once; empty where the ends leave nothing between them.
+    """
     # a hair wider, so that an end which is three digits long stays what it is
     if low > high * (1 + 1e-9):
         return np.empty(0)

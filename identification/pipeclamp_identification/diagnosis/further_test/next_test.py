@@ -113,14 +113,14 @@ def rivals_words(rivals: Sequence[str]) -> str:
 
 def temperature_words(temperature_C: float | None) -> str:
     """Say at which temperature a test is proposed."""
-    return "the temperature of the tests so far" if temperature_C is None else f"{temperature_C:.3g} degC"
+    return "the temperature of the tests so far" if temperature_C is None else f"{temperature_C:.3g} °C"
 
 
 def _further_words(signal: str, value: float) -> str:
     if signal == str(symbols.N):
         return f"after {value:.0f} load cycles"
     if signal == str(symbols.rho):
-        return f"density {value:.4g} g/cm3"
+        return f"density {value:.4g} g/cm³"
     return f"{signal.removeprefix(CONDITION)} {value:.4g}"
 
 
@@ -147,8 +147,8 @@ class _TestSearch:
 
         Args:
             limits: what the rig can do.
-            levels: peak displacement mm, highest frequency Hz or temperature degC that are to be looked at, instead of
-                some between the limits.
+            levels: peak displacement mm, highest frequency Hz or temperature °C that are to be looked at, shape (n,)
+                each, instead of some between the limits.
         """
         found = []
         for name, profile in PROFILES.items():

@@ -126,7 +126,7 @@ class Outlook:
         return np.asarray(self.apart.max(axis=0) >= LEAST_DEVIATIONS)
 
     def rows(self, chosen: IntArray) -> Outlook:
-        """Give some of the conditions."""
+        """Give some of the conditions, by their places, shape (n,)."""
         grid = {name: values[chosen] for name, values in self.grid.items()}
         return Outlook(
             self.profile, grid, self.motion.rows(chosen), self.forces[:, chosen], self.mistaken[chosen],
@@ -135,7 +135,14 @@ class Outlook:
 
 
 def outlook_of(profile: str, grid: ConditionArrays, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
-    """Tell what tests of a profile at a grid of conditions would tell."""
+    """Tell what tests of a profile at a grid of conditions would tell.
+
+    Args:
+        profile: name of the motion.
+        grid: conditions of C tests by name, shape (C,) each.
+        rivals: laws that are to be told apart.
+        diagnosis: that left them.
+    """
     motion = _motions(grid, profile, diagnosis)
     without = real_harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS_FORETOLD)
     law_forces = [_law_force(rival.judged, motion) for rival in rivals]

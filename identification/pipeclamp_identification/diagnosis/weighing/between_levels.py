@@ -110,8 +110,8 @@ def _further_levels_between(loops: Loops) -> Iterator[InnerLevel]:
 
     A bend describes what a further condition does, and takes three levels: without one of four they are left.
     """
-    yield from _inner("T", "degC", number_levels(loops.temperature_K - CELSIUS, absolute=SAME_KELVIN), fewest=3)
-    yield from _inner("density", "g/cm3", number_levels(loops.density_g_cm3, relative=SAME_SHARE), fewest=3)
+    yield from _inner("T", "°C", number_levels(loops.temperature_K - CELSIUS, absolute=SAME_KELVIN), fewest=3)
+    yield from _inner("density", "g/cm³", number_levels(loops.density_g_cm3, relative=SAME_SHARE), fewest=3)
     for name, values in loops.conditions.items():
         yield from _inner(name, "", number_levels(values, relative=SAME_SHARE), fewest=4)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +12,7 @@ from pipeclamp_identification.diagnosis.weighing.channel import BentChannel, ben
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, explains, may_be_form
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
@@ -55,7 +56,7 @@ class Scales:
     candidates: Sequence[Judged]
     tolerance: Tolerance
     jobs: int
-    tell: Callable[[str], None]
+    tell: Progress
 
     @property
     def form_allowed(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pipeclamp_identification.diagnosis.candidates import likeliest, pairs, ranked, twins
@@ -36,6 +36,7 @@ from pipeclamp_identification.diagnosis.weighing.reasons import (
 from pipeclamp_identification.diagnosis.weighing.rivals import rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed, nothing_named
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure
 
@@ -47,7 +48,7 @@ def weigh(
     candidates: Sequence[Judged],
     tolerance: Tolerance,
     jobs: int,
-    tell: Callable[[str], None],
+    tell: Progress,
     differing: Unstated | None = None,
 ) -> Weighed:
     """Weigh the candidates; arguments as in `Scales`, and what differs between runs at the same stated conditions."""

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp_identification.campaign.clipping import FEWEST_ON_A_PLATEAU
 from pipeclamp_identification.campaign.records import NEEDED, Record, UnusableRecord
 from pipeclamp_identification.importing.samples.split import GAP_CYCLES, turns_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.base.said import counted
 
 MOST_BLANK = 0.01
@@ -29,8 +28,6 @@ MOST_HELD = 0.5
 MOVING = ("displacement_mm", "force_N")
 FEWEST_CYCLES = 3
 """Fewer cycles between blanks aren't worth a run."""
-
-Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -127,8 +124,13 @@ def _held(values: Array, other: Array, cycle: float) -> list[tuple[int, int]]:
     return found
 
 
-def on_lines(values: Array, gone: Mask) -> Array:
-    """Put samples on straight lines between the others, those before the first and behind the last on these."""
+def on_lines(values: Array, gone: BoolArray) -> Array:
+    """Put samples on straight lines between the others, those before the first and behind the last on these.
+
+    Args:
+        values: of a channel, shape (n,).
+        gone: which of them, shape (n,); where all or none are, nothing is done.
+    """
     if np.all(gone) or not np.any(gone):
         return values
     places = np.arange(len(values))
@@ -141,7 +143,7 @@ def _samples_of_cycle(y: Array) -> float:
     return 2 * float(np.median(np.diff(turns))) if len(turns) > 3 else 0.0
 
 
-def _long_rows(blank: Mask, cycle: float) -> Mask:
+def _long_rows(blank: BoolArray, cycle: float) -> BoolArray:
     """Give which blanks can't be bridged: those at either end, and rows that are too long for how many there are."""
     edges = np.flatnonzero(np.diff(blank.astype(np.int8), prepend=0, append=0))
     begins, ends = edges[::2], edges[1::2]
@@ -154,7 +156,7 @@ def _long_rows(blank: Mask, cycle: float) -> Mask:
     return found
 
 
-def _longest(kept: Mask) -> tuple[int, int]:
+def _longest(kept: BoolArray) -> tuple[int, int]:
     """Give the longest row of samples that are kept, as (first, one after the last)."""
     edges = np.flatnonzero(np.diff(kept.astype(np.int8), prepend=0, append=0))
     if not len(edges):

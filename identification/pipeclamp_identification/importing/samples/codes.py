@@ -23,7 +23,7 @@ def without_codes(name: str, values: Array) -> tuple[Array, tuple[str, ...]]:
 
     Args:
         name: of the channel.
-        values: its samples; nan is blank.
+        values: its samples, shape (n,); nan is blank.
     """
     told: list[str] = []
     kept = values

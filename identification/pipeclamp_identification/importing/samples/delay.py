@@ -16,6 +16,7 @@ import numpy as np
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.description import ImportedDelay
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
 from pipeclamp_models.base.arrays import ComplexArray, IntArray
 
@@ -59,7 +60,7 @@ def common_delay(told: Sequence[tuple[float, float]]) -> ImportedDelay | None:
         "or shift one of them before the import"
     )
     return ImportedDelay(
-        delay_ms=float(f"{1e3 * delay:.4g}"), standard_error_ms=float(f"{max(1e3 * error, 1e-6):.2g}"), words=words
+        delay_ms=rounded_to(1e3 * delay, 4), standard_error_ms=rounded_to(max(1e3 * error, 1e-6), 2), words=words
     )
 
 

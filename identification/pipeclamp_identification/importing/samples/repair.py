@@ -46,7 +46,7 @@ class Repaired:
 
 
 def mended_channel(name: str, values: Array) -> Array:
-    """Take blanks and spikes out of one channel of a record."""
+    """Take blanks and spikes out of one channel of a record, called `name` there; samples (n,), nan where blank."""
     return _despiked(name, on_lines(values, ~np.isfinite(values)))[0]
 
 

@@ -66,7 +66,7 @@ _Row = tuple[int, int, float]
 
 
 @dataclass(frozen=True)
-class Part:
+class SampleRange:
     """Samples first to last - 1 of a table: a run, or what was cut, and why."""
 
     first: int
@@ -78,8 +78,8 @@ class Part:
 class Cut:
     """How a table was cut: its runs, and what is left of it."""
 
-    runs: tuple[Part, ...]
-    left: tuple[Part, ...]
+    runs: tuple[SampleRange, ...]
+    left: tuple[SampleRange, ...]
 
 
 def split(time: Array, displacement: Array, segment: Array | None = None) -> Cut:
@@ -91,12 +91,12 @@ def split(time: Array, displacement: Array, segment: Array | None = None) -> Cut
         segment: a number that stays the same within a run, shape (n,), where there is one.
     """
     bounds = piece_bounds(time, lambda: displacement, segment)
-    runs: list[Part] = []
-    left: list[Part] = []
+    runs: list[SampleRange] = []
+    left: list[SampleRange] = []
     for first, last in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         found = levels(time[first:last], displacement[first:last])
-        runs += [Part(first + part.first, first + part.last, part.why) for part in found.runs]
-        left += [Part(first + part.first, first + part.last, part.why) for part in found.left]
+        runs += [SampleRange(first + part.first, first + part.last, part.why) for part in found.runs]
+        left += [SampleRange(first + part.first, first + part.last, part.why) for part in found.left]
     return Cut(tuple(runs), tuple(left))
 
 
@@ -132,7 +132,7 @@ def piece_bounds(
 
 
 def turns_of(y: Array) -> IntArray:
-    """Give the turning points of a motion, noise aside."""
+    """Give the turning points of a motion, noise aside: places in it, both ends among them; displacement (n,) in mm."""
     if len(y) < 5:
         return np.array([0, max(len(y) - 1, 0)], dtype=np.intp)
     least = max(NOISE * sample_noise(y), SHARE * float(np.ptp(y)))
@@ -162,7 +162,11 @@ def unsteady(y: Array, steady: slice, cycles: int) -> str:
 
 
 def irregular(y: Array) -> str:
-    """Say that half cycles of a run follow each other without order, as where noise drives it; "" where they don't."""
+    """Say that half cycles of a run follow each other without order, as where noise drives it; "" where they don't.
+
+    Args:
+        y: displacement in mm, shape (n,).
+    """
     ranges = np.abs(np.diff(y[turns_of(y)]))
     ranges = ranges[ranges > 0]
     if len(ranges) < FEWEST_TURNS or np.median(np.abs(np.diff(np.log(ranges)))) < WITHOUT_ORDER:
@@ -178,7 +182,7 @@ def levels(time: Array, y: Array) -> Cut:
         time: s, shape (n,); it doesn't go back.
         y: displacement in mm, shape (n,).
     """
-    whole = Cut((Part(0, len(y)),), ())
+    whole = Cut((SampleRange(0, len(y)),), ())
     turns = turns_of(y)
     if len(turns) < FEWEST_TURNS:
         return whole
@@ -251,7 +255,7 @@ def _at_rests(turns: IntArray, time: Array, y: Array) -> Cut:
     waits = np.diff(time[turns])
     rests = np.flatnonzero(waits > STANDING * np.quantile(waits, 0.9))
     edges = [0, *((turns[rests] + turns[rests + 1]) // 2).tolist(), len(y)]
-    parts = [Part(first, last) for first, last in itertools.pairwise(edges)]
+    parts = [SampleRange(first, last) for first, last in itertools.pairwise(edges)]
     moving = [int(np.count_nonzero((turns > part.first) & (turns < part.last))) >= FEWEST_TURNS for part in parts]
     runs = tuple(part for part, moves in zip(parts, moving, strict=True) if moves)
     left = tuple(replace(part, why="rest") for part, moves in zip(parts, moving, strict=True) if not moves)
@@ -336,24 +340,24 @@ def _stays(values: Array) -> bool:
 
 def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) -> Cut:
     """Give the runs, drawn to the piece's ends where these are near, and the parts between them with what they are."""
-    runs: list[Part] = []
+    runs: list[SampleRange] = []
     for number, level in enumerate(levels):
         first, last = level.first, level.last
         if number == 0 and time[first] - time[0] <= AT_EDGE * level.period:
             first = 0
         if number == len(levels) - 1 and time[-1] - time[min(last, len(y) - 1)] <= AT_EDGE * level.period:
             last = len(y)
-        runs.append(Part(first, last))
-    left: list[Part] = []
+        runs.append(SampleRange(first, last))
+    left: list[SampleRange] = []
     edges = [0, *(edge for part in runs for edge in (part.first, part.last)), len(y)]
     for place, (begin, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
         if end > begin:
             beside = place - 1 if place else 0
-            left.append(Part(begin, end, _what(begin, end, runs[beside], levels[beside].period, turns, time, y)))
+            left.append(SampleRange(begin, end, _what(begin, end, runs[beside], levels[beside].period, turns, time, y)))
     return Cut(tuple(runs), tuple(left))
 
 
-def _what(begin: int, end: int, beside: Part, period: float, turns: IntArray, time: Array, y: Array) -> str:
+def _what(begin: int, end: int, beside: SampleRange, period: float, turns: IntArray, time: Array, y: Array) -> str:
     """Say what a part between runs is."""
     inner = turns[(turns > begin) & (turns < end)]
     # at either end it holds a part of the cycles beside it

@@ -47,7 +47,7 @@ class Clock:
         return values
 
     def continued(self, values: Array) -> Array:
-        """Give the seconds of all parts, going on over midnight where there is no date."""
+        """Give the seconds of all parts, shape (n,), going on over midnight where there is no date."""
         if self._format:
             return values
         for step in np.flatnonzero(np.diff(values) < -DAY / 2):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
 from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations import symbols
-from pipeclamp_models.equations.effect import Effect
+from pipeclamp_models.equations.effect import Coefficient, Effect, Stage, State
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.reading.typeset import PlusFirst, equation, latex
 
@@ -49,35 +51,55 @@ class Statement:
             return rf"{self.left} \left({latex(self.expression)}\right)"
         return equation(self.left, self.expression)
 
+    @property
+    def mathml(self) -> str:
+        """The same as MathML, for pages."""
+        from pipeclamp_models.realise.reading.mathml import mathml
+
+        return mathml(self.latex, "block")
+
+
+def law_statements(equations: Composed) -> list[Statement]:
+    """Give a law's equations, in the order in which they are read: the force, its coefficients, its memory."""
+    force = Statement("force, N", "F =", equations.force)
+    return [force, *_coefficients(equations.coefficients), *_within_steps(equations.stages, equations.states)]
+
 
 def effect_statements(effect: Effect) -> list[Statement]:
     """Give an effect's equations, in the order in which they are read."""
     found = []
     if effect.force != 0:
         found.append(Statement("force added, N", r"\Delta F =", effect.force))
-    for coefficient in effect.coefficients:
-        words = str(coefficient.symbol) + (f", {coefficient.unit}" if coefficient.unit != "-" else "")
-        found.append(Statement(words, f"{latex(coefficient.symbol)} =", coefficient.expression))
+    found += _coefficients(effect.coefficients)
     for target, factor in effect.scales.items():
         found.append(Statement(f"factor on every {target}", rf"\text{{{target}}} \times", factor))
     for signal, path in effect.replaces.items():
         found.append(Statement(f"in place of {signal}", f"{latex(signal)} \\leftarrow", path))
     if symbols.y in effect.replaces:
         found.append(Statement("force that comes through, N", "F =", effect.passes))
-    found += [
-        Statement(f"{stage.symbol}, {stage.meaning}", f"{latex(stage.symbol)} =", stage.expression)
-        for stage in effect.stages
-    ]
-    found += [
-        Statement(f"{state.symbol} after a step", f"{latex(state.symbol)} \\leftarrow", state.update)
-        for state in effect.states
-    ]
+    found += _within_steps(effect.stages, effect.states)
     if effect.lag != 0:
         late = r"F_\mathrm{measured}(t) = F(t - \tau),\quad \tau ="
         found.append(Statement("force measured late by, s", late, effect.lag))
     if effect.energy != 0:
         found.append(Statement("energy stored, N mm", "E =", effect.energy.replace(_is_compliance, _stiff)))
     return found
+
+
+def _coefficients(coefficients: Sequence[Coefficient]) -> list[Statement]:
+    return [Statement(_with_unit(one), f"{latex(one.symbol)} =", one.expression) for one in coefficients]
+
+
+def _with_unit(coefficient: Coefficient) -> str:
+    unit = "" if coefficient.unit == "-" else f", {unit_shown(coefficient.unit)}"
+    return f"{coefficient.symbol}{unit}"
+
+
+def _within_steps(stages: Sequence[Stage], states: Sequence[State]) -> list[Statement]:
+    return [
+        *(Statement(f"{one.symbol}, {one.meaning}", f"{latex(one.symbol)} =", one.expression) for one in stages),
+        *(Statement(f"{one.symbol} after a step", f"{latex(one.symbol)} \\leftarrow", one.update) for one in states),
+    ]
 
 
 def symbols_of(effect: Effect) -> list[symbols.Signal]:

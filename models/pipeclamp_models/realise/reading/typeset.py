@@ -76,8 +76,9 @@ class _Formulas(PlusFirst, LatexPrinter):  # type: ignore[misc]
             return rf"\exp{{\left({argument} \right)}}"
         return str(super()._print_ExpBase(expression, exp=exp))
 
-    def _print_sign(self, expression: sp.Expr) -> str:
-        return rf"\operatorname{{sgn}}{{\left({self._print(expression.args[0])} \right)}}"
+    def _print_sign(self, expression: sp.Expr, exp: str | None = None) -> str:
+        power = "" if exp is None else rf"^{{{exp}}}"
+        return rf"\operatorname{{sgn}}{power}{{\left({self._print(expression.args[0])} \right)}}"
 
 
 def latex(expression: sp.Basic) -> str:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeclamp_identification.campaign.description import Imported, ImportedFile
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, cut_answers, taken_columns
-from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, Thing, cut_answers, taken_columns
 from pipeclamp_models.base.answer import left_out_runs
 from pipeclamp_models.base.said import counted
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 
 METRICS = "stiffness and loss of a test, without a record"
 WEAK = 0.01
@@ -19,8 +22,8 @@ WEAK = 0.01
 
 
 @dataclass(frozen=True)
-class FoundResults:
-    """What files of results became: the campaign as a reader finds it, and what campaign.toml says of it.
+class ImportedResults:
+    """A campaign of results that an import wrote, or would write, as a reader finds it.
 
     Attributes:
         folder: of the campaign.
@@ -45,6 +48,7 @@ class FoundResults:
     pattern: str
     told: tuple[str, ...]
     written: bool
+    thing: Thing = "test"
 
     @property
     def name(self) -> str:
@@ -55,6 +59,11 @@ class FoundResults:
     def left_out(self) -> tuple[LeftOut, ...]:
         """Tests that can't be used."""
         return self.campaign.left_out
+
+    @property
+    def serves(self) -> bool:
+        """Whether a law can be identified from it: it has tests that can be used."""
+        return bool(self.campaign.runs)
 
     def notes(self) -> tuple[str, ...]:
         """Give what to know of the campaign, of its columns and units first."""
@@ -70,7 +79,7 @@ class FoundResults:
                 file=source.file,
                 amplitude_mm=row.amplitude_mm,
                 frequency_Hz=row.frequency_Hz,
-                temperature_C=row.temperature_C if source.run not in lost else None,
+                temperature_C=row.setup.temperature_C if source.run not in lost else None,
                 cycles=None,
                 new=source.run in self.new,
                 done=(METRICS,),

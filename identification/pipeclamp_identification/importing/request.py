@@ -1,0 +1,87 @@
+"""What an import is asked for, and what imports of records and of results have in common: their beginning and end."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeclamp_identification.campaign.writing import Format
+from pipeclamp_identification.importing.answer import ImportedCampaign
+from pipeclamp_identification.importing.columns import listed
+from pipeclamp_identification.importing.raw import without_controls
+from pipeclamp_identification.importing.reading import passed_over_in
+from pipeclamp_identification.importing.stated import Options
+from pipeclamp_identification.importing.texts.decoding import file_name
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import replace_folder, restored, staged_folder
+from pipeclamp_models.base.progress import Progress, silent
+
+PAGE = "import.html"
+RESTORED = "an earlier import was ended while it replaced the campaign; the campaign was put back as it was before"
+
+
+@dataclass(frozen=True)
+class ImportRequest:
+    """What is to be imported, where to, and how.
+
+    Attributes:
+        paths: of files, or of folders with them.
+        folder: of the campaign: new, or one that was imported before.
+        options: what the user states.
+        page: draws the page that stands in the campaign's folder.
+        confirm: asks before anything is put in place; a no leaves all as it was.
+        dry_run: write nothing.
+        name, notes: of a new campaign; its folder's name by default.
+        software: name and version of this program.
+        format: of the records.
+        tell: hears what is being done.
+    """
+
+    paths: Sequence[Path]
+    folder: Path
+    options: Options
+    page: Callable[[ImportedCampaign], str]
+    confirm: Callable[[ImportedCampaign], bool] | None = None
+    dry_run: bool = False
+    name: str = ""
+    notes: str = ""
+    software: str = ""
+    format: Format = "parquet"
+    tell: Progress = silent
+
+    @property
+    def campaign_name(self) -> str:
+        """Name of a new campaign."""
+        return self.name or file_name(self.folder.resolve())
+
+    def restored_words(self) -> list[str]:
+        """Put back what an import that was ended left aside, and say so; empty where there was nothing."""
+        return [RESTORED] if restored(self.folder) else []
+
+    def passed_over_words(self) -> list[str]:
+        """Say which files of folders aren't read, for no format has their ending."""
+        names = list(map(without_controls, passed_over_in(self.paths)))
+        return [f"not read, for no known format has such an ending: {listed(names)}"] if names else []
+
+    def staged(self) -> AbstractContextManager[Path]:
+        """Give a folder to write the campaign into; what is only looked at needs no place beside the campaign."""
+        return staged_folder(Path(tempfile.gettempdir()) / self.folder.name if self.dry_run else self.folder)
+
+    def put_in_place(self, work: Path, found: ImportedCampaign) -> None:
+        """Put a campaign and its page in place, once that is confirmed.
+
+        Args:
+            work: where it lies.
+            found: what it is.
+
+        Raises:
+            UserError: it wasn't confirmed.
+        """
+        self.tell("its page")
+        (work / PAGE).write_text(self.page(found), encoding="utf-8", newline="\n")
+        if self.confirm and not self.confirm(found):
+            raise UserError("nothing was written: the import wasn't confirmed")
+        replace_folder(work, self.folder)
