@@ -66,6 +66,7 @@ def follow(argument: str) -> Effect:
             neutral=0.0,
             follows=(u,),
             typical=0.2 / size,
+            if_scaled=True,
         ),
         Parameter(
             mean,

@@ -35,6 +35,7 @@ class Parameter:
         levels: how many distinct levels of them it takes.
         typical: a size at which the effect shows in a loop, where `start` has none: to try it out on the virtual rig.
         known_within: standard deviation by which `neutral` is known beforehand, from physics: of a normal prior.
+        if_scaled: whether it is there only in laws that have what a factor with it scales.
     """
 
     symbol: sp.Symbol
@@ -48,6 +49,7 @@ class Parameter:
     levels: int = 2
     typical: sp.Expr | float | None = None
     known_within: float | None = None
+    if_scaled: bool = False
 
     @property
     def name(self) -> str:

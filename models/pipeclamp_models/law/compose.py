@@ -79,6 +79,7 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
     """
     refuse_misfits(effects, base)
     coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
+    effects = tuple(_without_idle(effect, coefficients) for effect in effects)
     # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
     fast_factors: dict[sp.Symbol, sp.Expr] = {}
     fast = FAST_SYMBOLS | {symbol for effect in effects for symbol in effect.within_steps}
@@ -137,6 +138,13 @@ def scaled_by(effect: Effect, coefficients: Sequence[Coefficient]) -> list[tuple
         for index, entry in enumerate(coefficients)
         if entry.is_scaled_by(target)
     ]
+
+
+def _without_idle(effect: Effect, coefficients: Sequence[Coefficient]) -> Effect:
+    """Give an effect without those parameters that are there only if a factor with them scales something."""
+    scaling = frozenset().union(*(factor.free_symbols for _, factor in scaled_by(effect, coefficients)))
+    kept = tuple(one for one in effect.parameters if not one.if_scaled or one.symbol in scaling)
+    return effect if kept == effect.parameters else replace(effect, parameters=kept)
 
 
 def brought_into_view(
