@@ -25,7 +25,7 @@ from pipeclamp_fmu.native.packing import Built, NativeContent, write_native_fmu
 from pipeclamp_fmu.native.pipe import native_pipe
 from pipeclamp_fmu.python.packing import write_fmu
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.file import LawFile, law_of, law_text
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_models.realise.c import c_source
@@ -54,6 +54,36 @@ def build_clamp(file: LawFile, output: Path, told: ClampStart = USUAL) -> str:
             that range, is told to start beyond it, or the FMU can't be written.
     """
     return write_fmu(python_clamp_content(file, told), output)
+
+
+def build_clamp_to_run(file: LawFile, output: Path, *, passive: bool = False) -> str:
+    """Build a law's Python FMU for a run of this program, after which it is gone.
+
+    It has no icon, reference results, parameter sets or record, which nobody would look at, and building it for one run
+    after another takes no more than writing it.
+
+    Args:
+        file: the law.
+        output: the FMU to write, whole or not at all.
+        passive: whether the law is taken to create no energy, as one that differs from such a law by its doubt.
+
+    Returns:
+        the FMU's model identifier.
+
+    Raises:
+        UserError: as `build_clamp`.
+    """
+    return write_fmu(_content_to_run(law_text(file), passive), output)
+
+
+@lru_cache(maxsize=8)
+def _content_to_run(law: str, passive: bool) -> Content:
+    """Give what goes into the FMU of a law, the text of its file."""
+    file = LawFile.model_validate_json(law)
+    model = clamp_model(file)
+    if not passive:
+        require_passive(model, file)
+    return clamp_content(model, version(), extras=False)
 
 
 def build_native_clamp(

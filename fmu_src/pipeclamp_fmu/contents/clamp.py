@@ -185,11 +185,14 @@ def clamp_extras(model: ClampModel, variables: Variables, model_exchange: bool) 
     return icon, reference_files(reference, model_exchange, related(model.behind) if model.behind else ())
 
 
-def clamp_content(model: ClampModel, version: str) -> Content:
-    """Give all that goes into the clamp's Python FMU."""
+def clamp_content(model: ClampModel, version: str, *, extras: bool = True) -> Content:
+    """Give all that goes into the clamp's Python FMU; what `clamp_extras` gives, if asked."""
     described = quantities(model)
     variables = clamp_variables(model, described)
-    icon, references = clamp_extras(model, variables, model_exchange=False)
+    files = {}
+    if extras:
+        icon, references = clamp_extras(model, variables, model_exchange=False)
+        files = {"model.png": icon, **references}
     further = [entry.name for entry in model.further]
     return Content(
         kind="clamp",
@@ -199,7 +202,7 @@ def clamp_content(model: ClampModel, version: str) -> Content:
         quantities={variable.name: variable.quantity for variable in variables.all},
         initially=clamp_dependencies(model.source, variables, further).initially,
         documentation=clamp_documentation(model, described, PYTHON_USE),
-        further={"model.png": icon, **references},
+        further=files,
         name=model.name,
         numbers=numbers_of(variables, model.ranges),
         tunable=tuple(entry.name for entry in variables.inputs if entry not in variables.connected),

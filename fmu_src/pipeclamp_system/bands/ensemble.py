@@ -22,7 +22,7 @@ from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown_of_clamps
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
-from pipeclamp_system.cosim.building import law_in
+from pipeclamp_system.cosim.building import TO_RUN_IN_DOUBT, law_in
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import SystemDescription, read_system
@@ -175,7 +175,7 @@ def _unknown_of(description: SystemDescription, path: Path) -> tuple[list[int], 
 def _run(member: _Member) -> Array | str:
     """Give the columns of a member's run at the nominal run's times, (columns, n); what failed where it does."""
     try:
-        result = run_described(member.description, member.folder, member.where, checked=False)
+        result = run_described(member.description, member.folder, member.where, checked=False, build=TO_RUN_IN_DOUBT)
     except UserError as error:
         return str(error)
     return np.stack([np.interp(member.time, result.time, result.columns[name]) for name in member.columns])

@@ -7,10 +7,12 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pipeclamp_fmu.build import (
     build_clamp,
+    build_clamp_to_run,
     build_excitation,
     build_native_clamp,
     build_native_excitation,
@@ -37,12 +39,18 @@ class Builders:
 PYTHON = Builders()
 """Python FMUs: made at once, and run wherever this program does."""
 
+TO_RUN = Builders(build_clamp_to_run)
+"""Python FMUs for one run, without what people and other programs would ask of them."""
+
+TO_RUN_IN_DOUBT = Builders(partial(build_clamp_to_run, passive=True))
+"""The same for laws that differ by their doubt from one that creates no energy: a run that does fails by itself."""
+
 NATIVE = Builders(build_native_clamp, build_native_pipe, build_native_excitation)
 """Native FMUs: they take a C compiler, and run wherever they were compiled for."""
 
 
 @contextmanager
-def finished(description: SystemDescription, folder: Path, build: Builders = PYTHON) -> Iterator[SystemDescription]:
+def finished(description: SystemDescription, folder: Path, build: Builders = TO_RUN) -> Iterator[SystemDescription]:
     """Give the description with all its FMUs built; those that were built are gone at the end.
 
     Args:

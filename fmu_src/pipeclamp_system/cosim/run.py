@@ -12,7 +12,7 @@ import numpy as np
 from pipeclamp_fmu.slaves.own_motion import OFF_BY
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.cosim.beating import Beats
-from pipeclamp_system.cosim.building import finished
+from pipeclamp_system.cosim.building import TO_RUN, Builders, finished
 from pipeclamp_system.cosim.divergence import DivergedError, EnergyGuard
 from pipeclamp_system.cosim.interrupts import held_back
 from pipeclamp_system.cosim.law_conditions import SOLVED, Solving
@@ -56,6 +56,7 @@ def run_described(
     progress: ShareDone | None = None,
     *,
     checked: bool = True,
+    build: Builders = TO_RUN,
 ) -> CosimResult:
     """Co-simulate a described system.
 
@@ -65,12 +66,13 @@ def run_described(
         where: named in errors.
         progress: as of `run_system`.
         checked: whether the error of its step is told, by another run in twice the step.
+        build: what makes the FMUs that it lacks.
 
     Raises:
         UserError: as `run_system`.
     """
     tell, tell_check = _shared(progress, 1 - CHECK_SHARE if checked else 1.0)
-    with finished(description, folder) as ready:
+    with finished(description, folder, build) as ready:
         result, ready = _solved(ready, folder, where, tell)
         if not checked:
             return result
