@@ -247,7 +247,8 @@ def _watched(runs: Sequence[Observed], zeros: Array) -> list[Watched]:
         },
     }
     labels = {name: _label_of_each(levels, len(runs)) for name, levels in numbers.items()}
-    texts = {name: [run.setup.texts[name] for run in runs] for name in runs[0].setup.texts}
+    stated = [run.setup.texts for run in runs]
+    texts = {name: [own[name] for own in stated] for name in stated[0]}
     texts = {name: own for name, own in texts.items() if group_names(own)}
     return [
         Watched(

@@ -8,10 +8,10 @@ from typing import Literal, Protocol
 
 from pydantic import Field
 
-from pipeclamp_identification.campaign.description import Imported, ImportedCut, ImportedFile, LeftOutFile
+from pipeclamp_identification.campaign.description import Imported, ImportedFile, LeftOutFile
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.units.stated import Conversion
-from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 
 Thing = Literal["run", "test"]
 """A test with a record, and one without."""
@@ -56,25 +56,6 @@ class ImportAnswer(AnswerModel):
     notes: tuple[str, ...]
 
 
-def taken_columns(files: Sequence[ImportedFile]) -> dict[str, dict[str, str]]:
-    """Give channel and factor of each column, by file."""
-    return {
-        one.file: {
-            name: f"{column.channel} {Conversion(column.factor, column.offset).words()}"
-            for name, column in one.columns.items()
-        }
-        for one in files
-    }
-
-
-def cut_answers(cut: Sequence[ImportedCut]) -> tuple[ImportedCutAnswer, ...]:
-    """Give what is in no run."""
-    return tuple(
-        ImportedCutAnswer(file=one.file, table=one.table, first=one.samples[0], last=one.samples[1], why=one.why)
-        for one in cut
-    )
-
-
 class ImportedCampaign(Protocol):
     """A campaign that an import wrote, or would write: of records or of results, each of which answers for itself."""
 
@@ -115,3 +96,44 @@ class ImportedCampaign(Protocol):
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""
+
+
+def import_answer(
+    found: ImportedCampaign, runs: Sequence[ImportedRunAnswer], *, known: tuple[str, ...], pattern: str
+) -> ImportAnswer:
+    """Give a campaign as data.
+
+    Args:
+        found: the campaign.
+        runs: of it, with what was measured of each.
+        known: names of files that it held already.
+        pattern: that the names of files seem to follow; empty where none was found.
+    """
+    cut = (
+        ImportedCutAnswer(file=one.file, table=one.table, first=one.samples[0], last=one.samples[1], why=one.why)
+        for one in found.imported.cut
+    )
+    return ImportAnswer(
+        campaign=str(found.folder),
+        written=found.written,
+        new_files=tuple(one.file for one in found.files),
+        known_files=known,
+        columns=_taken_columns(found.imported.files),
+        runs=tuple(runs),
+        cut=tuple(cut),
+        left_out=left_out_runs(found.left_out),
+        left_out_files=found.imported.left_out,
+        pattern=pattern,
+        notes=found.notes(),
+    )
+
+
+def _taken_columns(files: Sequence[ImportedFile]) -> dict[str, dict[str, str]]:
+    """Give channel and factor of each column, by file."""
+    return {
+        one.file: {
+            name: f"{column.channel} {Conversion(column.factor, column.offset).words()}"
+            for name, column in one.columns.items()
+        }
+        for one in files
+    }

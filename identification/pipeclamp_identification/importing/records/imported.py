@@ -9,16 +9,9 @@ from pipeclamp_identification.campaign.description import Imported, ImportedFile
 from pipeclamp_identification.campaign.judging import JudgedRuns
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.importing.answer import (
-    ImportAnswer,
-    ImportedRunAnswer,
-    Thing,
-    cut_answers,
-    taken_columns,
-)
+from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, Thing, import_answer
 from pipeclamp_identification.importing.plan import ImportPlan
 from pipeclamp_identification.importing.records.looked_at import LookedAt
-from pipeclamp_models.base.answer import left_out_runs
 
 
 @dataclass(frozen=True)
@@ -87,16 +80,4 @@ class ImportedRecords:
                     done=source.done,
                 )
             )
-        return ImportAnswer(
-            campaign=str(self.folder),
-            written=self.written,
-            new_files=tuple(one.file for one in self.plan.files),
-            known_files=self.plan.known,
-            columns=taken_columns(self.imported.files),
-            runs=tuple(rows),
-            cut=cut_answers(self.imported.cut),
-            left_out=left_out_runs(self.judged.left_out),
-            left_out_files=self.imported.left_out,
-            pattern=self.plan.pattern,
-            notes=self.notes(),
-        )
+        return import_answer(self, rows, known=self.plan.known, pattern=self.plan.pattern)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from pipeclamp_identification.campaign.description import Imported, ImportedFile
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, Thing, cut_answers, taken_columns
-from pipeclamp_models.base.answer import left_out_runs
+from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, Thing, import_answer
 from pipeclamp_models.base.said import counted
 
 if TYPE_CHECKING:
@@ -87,19 +86,7 @@ class ImportedResults:
             for source in self.imported.runs
             if (row := stated.get(source.run))
         ]
-        return ImportAnswer(
-            campaign=str(self.folder),
-            written=self.written,
-            new_files=tuple(one.file for one in self.files),
-            known_files=self.known,
-            columns=taken_columns(self.imported.files),
-            runs=tuple(runs),
-            cut=cut_answers(self.imported.cut),
-            left_out=left_out_runs(self.left_out),
-            left_out_files=self.imported.left_out,
-            pattern=self.pattern,
-            notes=self.notes(),
-        )
+        return import_answer(self, runs, known=self.known, pattern=self.pattern)
 
 
 def _weak_words(campaign: MetricCampaign) -> list[str]:
