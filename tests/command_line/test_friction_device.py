@@ -29,5 +29,5 @@ def test_each_effect_takes_a_part(pipeclamp, tmp_path):
     assert base > 0.35 > tension
     assert slip < 0.19
     pipeclamp("compare", tmp_path / "slip.json", FOLDER / "other_motions", "--json", tmp_path / "motions.json")
-    # a law with a constant force errs by 84 %
+    # a law with a constant force errs by 84%
     assert json.loads((tmp_path / "motions.json").read_text(encoding="utf-8"))["nrmse"] < 0.45

@@ -96,7 +96,7 @@ def _side_by_side(rungs: Sequence[RungBars], scatter: float | None, title: str, 
         )
         for index in range(len(rungs))
     ]
-    unit = " %" if len(names) < MOST_BARS_WITHOUT_UNIT else ""
+    unit = "%" if len(names) < MOST_BARS_WITHOUT_UNIT else ""
     figure = go.Figure(
         [
             go.Bar(
@@ -180,7 +180,7 @@ def _look(name: str, rungs: Sequence[RungBars]) -> dict[str, Any]:
     }
 
 
-def _percent(error: float, unit: str = " %") -> str:
+def _percent(error: float, unit: str = "%") -> str:
     return f"{100 * error:.3g}{unit}"
 
 
