@@ -30,7 +30,7 @@ from pipeclamp_identification.diagnosis.problem import (
     prepare,
     weighed_again,
 )
-from pipeclamp_identification.diagnosis.repeats import unstated
+from pipeclamp_identification.diagnosis.repeats import Unstated, unstated
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import (
     FEWEST_RUNS,
@@ -171,24 +171,15 @@ def diagnose(
     progress("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)
-    complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
-    form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))
-    tolerance = Tolerance(complete, form, max(complete, FORM_NOISE_SHARE), proved)
+    tolerance = _tolerance(structure, problem, loops, proved)
     judged: list[Judged] = []
     screened_out: dict[str, float] = {}
     if not is_complete(law, problem, tolerance):
         problem, law = weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
         promises = screened(structure, problem, law, progress)
         judged, screened_out = candidates(structure, problem, law, promises, jobs, progress)
-        if judged and not judged[0].objections:
-            progress("evidence weighed by the best law's own residuals")
-            problem, law = weighed_again(problem, structure, likeliest(judged).result, [law.result])
-            judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, progress))
-        law = law_from_another_valley(law, judged, problem)
-        judged = [with_means_counted(each, law, problem) for each in judged]
-    sound = likeliest([law, *(each for each in judged if not each.objections)])
-    residual, missed = (problem.plain_residual(each.result.law_force) for each in (sound, law))
-    differing = unstated(problem.loops, problem.noise, residual, missed)
+        problem, law, judged = _by_the_best_ones_residuals(problem, law, judged, jobs, progress)
+    differing = _unstated_beside(law, judged, problem)
     found = weigh(structure, problem, law, judged, tolerance, jobs, progress, differing)
     found = unless_at_one_condition(found, problem.loops)
     progress("what is left over")
@@ -201,6 +192,32 @@ def diagnose(
     if beyond.sure_share > FORM_NOISE_SHARE:
         return replace(diagnosis, found=nothing_named("unknown", beyond.words()))
     return diagnosis
+
+
+def _by_the_best_ones_residuals(
+    problem: Problem, law: Judged, judged: list[Judged], jobs: int, progress: Progress
+) -> tuple[Problem, Judged, list[Judged]]:
+    """Weigh the evidence by what the best law leaves over, and leave a poor valley that candidates have left."""
+    if judged and not judged[0].objections:
+        progress("evidence weighed by the best law's own residuals")
+        problem, law = weighed_again(problem, law.result.law.structure, likeliest(judged).result, [law.result])
+        judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, progress))
+    law = law_from_another_valley(law, judged, problem)
+    return problem, law, [with_means_counted(each, law, problem) for each in judged]
+
+
+def _unstated_beside(law: Judged, judged: Sequence[Judged], problem: Problem) -> Unstated | None:
+    """Find what differs between runs at the same stated conditions, beside the likeliest law and the law as it is."""
+    sound = likeliest([law, *(each for each in judged if not each.objections)])
+    residual, missed = (problem.plain_residual(each.result.law_force) for each in (sound, law))
+    return unstated(problem.loops, problem.noise, residual, missed)
+
+
+def _tolerance(structure: Structure, problem: Problem, loops: Loops, proved: bool) -> Tolerance:
+    """Give the lack of fit that is let pass; of form, a share of what the law's effects explain."""
+    complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
+    form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))
+    return Tolerance(complete, form, max(complete, FORM_NOISE_SHARE), proved)
 
 
 def _best(law: Judged, judged: Sequence[Judged], pair: Judged | None) -> Judged:

@@ -63,54 +63,101 @@ def weigh(
 
 def _weighed(scales: Scales, causes: bool) -> Weighed:
     """Weigh the candidates; without causes, what is named takes a part at most."""
-    structure, problem, law, tolerance = scales.structure, scales.problem, scales.law, scales.tolerance
-    if is_adequate(law.lack, tolerance):
-        if is_complete(law, problem, tolerance):
-            return _complete(scatter_words(law.lack, problem), scales)
-        told = few_runs_words if problem.noise.is_no_rigs else chance_words
-        return nothing_named("unknown", told(law.lack, problem, repeat=causes))
-    usable, sound = scales.usable, scales.sound
+    if is_adequate(scales.law.lack, scales.tolerance):
+        return _next_to_nothing_left(scales, repeat=causes)
+    found = _one_that_explains(scales) if causes else None
     pair: Judged | None = None
-    if sound and causes:
-        # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
-        asked = (sound[0], likeliest(sound), *takers_of_half(sound, law), *sound)
-        best = next((each for each in asked if scales.explains(each)), None)
-        if best is not None:
-            return _but_for_the_channel(if_it_is_itself(one_cause(best, sound, scales)), scales)
-    if usable and not scales.form_allowed:
-        able = able_to_take_a_part(scales)
-        rivals = rivals_of(able[0], able, problem) if able else []
-        in_pairs = sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
-        ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
-        promises = screened(structure, problem, law, scales.tell, ids)
-        weighed = None
-        if sound and causes:
-            scales.tell("two effects together")
-            seconds = promises if in_pairs else ()
-            found = pairs(structure, problem, law, sound, usable, seconds, scales.jobs, scales.tell)
-            pair = found[0] if found else None
-            weighed = cause_of_two(found, sound, scales)
-            if weighed is not None and weighed.kind == "cause":
-                like = twins(found[0], structure, problem, scales.candidates, scales.jobs, scales.tell)
-                found = ranked([*found, *(each for each in like if each.may_be_cause)])
-                weighed = unless_another_does(cause_of_two(found, sound, scales) or weighed, like)
-            if weighed is None and outdoes(pair, able, scales):
-                weighed = part_of_two(pair, sound, scales)
-        weighed = weighed or one_part(able, rivals, promises, pair, scales) or part_of_two(pair, sound, scales)
-        if weighed is not None:
-            return _but_for_the_channel(if_it_is_itself(weighed), scales)
+    if found is None and scales.usable and not scales.form_allowed:
+        found, pair = _two_or_a_part(scales, scales.sound if causes else ())
+    if found is not None:
+        return _but_for_the_channel(if_it_is_itself(found), scales)
     if scales.form_allowed:
-        if law.lack.most_share > FORM_NOISE_SHARE:
-            return nothing_named("unknown", hidden_words(law.lack, problem))
-        elsewhere = foretold(law, problem)
-        if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
-            return nothing_named("unknown", foretold_words(law.lack, elsewhere))
-        return _complete(form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law), scales)
+        return _form_at_most(scales)
+    return _nothing_named(scales, pair)
+
+
+def _next_to_nothing_left(scales: Scales, repeat: bool) -> Weighed:
+    """Call a law complete that leaves over what is let pass, where the tests are enough to tell."""
+    problem, lack = scales.problem, scales.law.lack
+    if is_complete(scales.law, problem, scales.tolerance):
+        return _complete(scatter_words(lack, problem), scales)
+    told = few_runs_words if problem.noise.is_no_rigs else chance_words
+    return nothing_named("unknown", told(lack, problem, repeat=repeat))
+
+
+def _one_that_explains(scales: Scales) -> Weighed | None:
+    """Name the effect that explains what is missing; None where none does by itself.
+
+    One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
+    """
+    sound = scales.sound
+    if not sound:
+        return None
+    asked = (sound[0], likeliest(sound), *takers_of_half(sound, scales.law), *sound)
+    best = next((each for each in asked if scales.explains(each)), None)
+    return one_cause(best, sound, scales) if best is not None else None
+
+
+def _two_or_a_part(scales: Scales, sound: Sequence[Judged]) -> tuple[Weighed | None, Judged | None]:
+    """Name the first of two effects that explain what is missing together, or the one that takes most of it.
+
+    Args:
+        scales: all candidates.
+        sound: those of them that may be the cause, with another beside it.
+
+    Returns:
+        what is named, None where nothing takes a part; and the best two effects together.
+    """
+    structure, problem = scales.structure, scales.problem
+    able = able_to_take_a_part(scales)
+    rivals = rivals_of(able[0], able, problem) if able else []
+    in_pairs = sound and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
+    ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
+    promises = screened(structure, problem, scales.law, scales.tell, ids)
+    pair: Judged | None = None
+    found: Weighed | None = None
+    if sound:
+        scales.tell("two effects together")
+        seconds = promises if in_pairs else ()
+        both = pairs(structure, problem, scales.law, sound, scales.usable, seconds, scales.jobs, scales.tell)
+        pair = both[0] if both else None
+        found = _cause_of_two(both, sound, scales)
+        if found is None and outdoes(pair, able, scales):
+            found = part_of_two(pair, sound, scales)
+    found = found or one_part(able, rivals, promises, pair, scales) or part_of_two(pair, scales.sound, scales)
+    return found, pair
+
+
+def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name the first of two effects that explain it together, unless what acts like one of them does as well."""
+    weighed = cause_of_two(found, sound, scales)
+    if weighed is None or weighed.kind != "cause":
+        return weighed
+    like = twins(found[0], scales.structure, scales.problem, scales.candidates, scales.jobs, scales.tell)
+    found = ranked([*found, *(each for each in like if each.may_be_cause)])
+    return unless_another_does(cause_of_two(found, sound, scales) or weighed, like)
+
+
+def _form_at_most(scales: Scales) -> Weighed:
+    """Call a law complete whose leftover may be the form of its effects, unless it hides some or foretells worse."""
+    law, tolerance = scales.law, scales.tolerance
+    if law.lack.most_share > FORM_NOISE_SHARE:
+        return nothing_named("unknown", hidden_words(law.lack, scales.problem))
+    elsewhere = foretold(law, scales.problem)
+    if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
+        return nothing_named("unknown", foretold_words(law.lack, elsewhere))
+    best = scales.usable[0] if scales.usable else None
+    return _complete(form_words(law.lack, elsewhere, best=best, law=law), scales)
+
+
+def _nothing_named(scales: Scales, pair: Judged | None) -> Weighed:
+    """Say why nothing is named: the channel, or that no effect takes a material share."""
+    law, problem = scales.law, scales.problem
     if scales.bent is not None:
         return _the_channel(scales.bent)
-    if not usable:
+    if not scales.usable:
         return nothing_named("unknown", "no effect of the catalogue lowers the error on left-out conditions")
-    most = max(usable, key=lambda each: explained_share(each, law))
+    most = max(scales.usable, key=lambda each: explained_share(each, law))
     none = nothing_named("unknown", immaterial_words(most, law, problem), pair)
     return replace(none, reasons=(*none.reasons, *pair_words(pair, most, law, problem)))
 
