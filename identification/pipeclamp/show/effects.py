@@ -58,16 +58,14 @@ def symbol_table(effect: Effect) -> Table:
 
 
 def equation_words(effect: Effect) -> list[str]:
-    """Give an effect's equations in plain text, wrapped."""
-    statements = effect_statements(effect)
-    widest = max(len(one.words) for one in statements)
-    return [
-        line
-        for one in statements
-        for line in textwrap.wrap(
-            f"{one.words:<{widest}}  {one.plain}", TEXT_WIDTH, initial_indent="  ", subsequent_indent=" " * (widest + 4)
+    """Give an effect's equations in plain text, each wrapped under what it gives."""
+    lines: list[str] = []
+    for one in effect_statements(effect):
+        under = textwrap.wrap(
+            one.plain, TEXT_WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False
         )
-    ]
+        lines += [f"  {one.words}", *under]
+    return lines
 
 
 def about(effect: Effect) -> list[tuple[str, str]]:

@@ -13,7 +13,7 @@ from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Coefficient, Effect, Stage, State
 from pipeclamp_models.law.compose import Composed
-from pipeclamp_models.realise.reading.typeset import PlusFirst, equation, latex
+from pipeclamp_models.realise.reading.typeset import PlusFirst, equation, latex, short
 
 
 def equation_lines(equations: Composed) -> list[str]:
@@ -147,6 +147,9 @@ class _Words(PlusFirst, StrPrinter):  # type: ignore[misc]
             for value, when in expression.args
         ]
         return f"({'; '.join(cases)})"
+
+    def _print_Rational(self, expression: sp.Rational) -> str:
+        return str(short(expression) or super()._print_Rational(expression))
 
     def _print_Abs(self, expression: sp.Abs) -> str:
         return f"|{self._print(expression.args[0])}|"

@@ -199,10 +199,10 @@ def _next(tokens: list[str]) -> float:
 def _readable(expression: sp.Basic) -> sp.Basic:
     """Write exp(x) - 1 as such, and limits that are small powers of ten, or 1 less one, with that power."""
     expression = expression.replace(expm1, lambda argument: sp.exp(argument) - 1)
-    return expression.replace(lambda one: one.is_Rational and _short(one) is not None, _short)
+    return expression.replace(lambda one: one.is_Rational and short(one) is not None, short)
 
 
-def _short(number: sp.Rational) -> sp.Expr | None:
+def short(number: sp.Rational) -> sp.Expr | None:
     """Give a number with a power of ten, if it is one, or 1 and a small one more or less."""
     for beside in (0, 1) if number.q > 1 else (0,):
         rest = abs(number - beside)
