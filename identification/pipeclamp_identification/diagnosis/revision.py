@@ -117,7 +117,7 @@ def simpler_structure(asked: RevisedLaw, names: Collection[str], progress: Progr
     return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 
 
-def better_structures(asked: RevisedLaw, progress: Progress) -> list[Structure]:
+def better_structures(asked: RevisedLaw, names: Collection[str] | None, progress: Progress) -> list[Structure]:
     """Give the law with another of its effects' family in one's place, or on another base, where it does better.
 
     To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt, and not
@@ -125,10 +125,16 @@ def better_structures(asked: RevisedLaw, progress: Progress) -> list[Structure]:
     that does so with the law's effects is also given alone, after that: they may have made up for the base that the
     law had, and what nothing needs goes astray on left-out conditions.
 
+    Args:
+        asked: the law.
+        names: its effects that are asked; None for all, and its base.
+        progress: is told what is being done.
+
     Returns:
         what does better, best first; empty where nothing does.
     """
-    found = [*_swapped(asked, _alike(asked), progress), *_on_another_base(asked, progress)]
+    swaps = [swap for swap in _alike(asked) if names is None or swap.gone in names]
+    found = [*_swapped(asked, swaps, progress), *(_on_another_base(asked, progress) if names is None else ())]
     sound = (each for each in found if not with_means_counted(each, asked.law, asked.problem).objections)
     better = [each for each in sound if takes_part(each, asked.law, asked.problem)]
     structures: list[Structure] = []

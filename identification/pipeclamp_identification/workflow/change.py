@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.diagnosis.named import parts_of
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -101,6 +102,13 @@ def add_effects(
 def helps(steps: Sequence[LawChange]) -> bool:
     """Tell whether the last of these steps ends with a smaller error on left-out conditions than the first begins."""
     return steps[-1].heldout.after < steps[0].heldout.before
+
+
+def takes_half(steps: Sequence[LawChange]) -> bool:
+    """Tell whether these steps take half of the mean square beyond scatter on left-out conditions."""
+    before, after = steps[0].heldout.before, steps[-1].heldout.after
+    scatter = steps[0].noise_nrmse or 0.0
+    return before**2 - after**2 >= HALF_TAKEN_SHARE * (before**2 - scatter**2)
 
 
 def remove_effect(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -18,6 +18,7 @@ from pipeclamp_identification.workflow.change import (
     fits_samples,
     helps,
     stays_as_good,
+    takes_half,
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
@@ -169,6 +170,9 @@ class Climber:
     def climb(self, place: Place, before: frozenset[MadeOf] = frozenset()) -> WayUp:
         """Diagnose and add until nothing helps.
 
+        Where what is named takes less than half of what is missing, a part may stand where its like belongs: what does
+        better in a part's place is asked, and goes first if it leaves less.
+
         Args:
             place: where to begin.
             before: laws that other ways came by.
@@ -196,16 +200,18 @@ class Climber:
                 place = place.after(simpler)
                 continue
             tried = self._until_one_helps(place, found)
-            if tried and helps(tried[-1]):
+            helped = bool(tried) and helps(tried[-1])
+            doubtful = parts_of(place.file) if helped else None
+            rung = None if helped and takes_half(tried[-1]) else self._with_something_exchanged(place.file, doubtful)
+            if helped and (rung is None or tried[-1][-1].heldout.after <= rung.change.heldout.after):
                 self.seen(found, place.file)
                 forks = (*forks, *_forks(place, found, tried[-1][0].step.effect))
                 place = place.after(*_rungs(found, tried))
                 name = having = tried[-1][-1].step.effect
             else:
-                in_vain = (*went, *(_in_vain(steps) for steps in tried))
-                found = found.naming_nothing(in_vain_words(in_vain)) if tried else found
+                in_vain = (*went, *(_in_vain(steps) for steps in tried)) if not helped else went
+                found = found.naming_nothing(in_vain_words(in_vain)) if tried and not helped else found
                 self.seen(found, place.file)
-                rung = self._with_something_exchanged(place.file)
                 if rung is None:
                     return WayUp(Settled(place.file, found, place.ladder, in_vain), forks, met)
                 place = place.after(rung)
@@ -271,9 +277,14 @@ class Climber:
             place = place.after(rung).without(_in_vain([change]))
         return place
 
-    def _with_something_exchanged(self, file: LawFile) -> Rung | None:
-        """Put a law on another base, or another effect of a family in one's place; None where none does better."""
-        for structure in self.tests.better_structures(file, self.progress)[:MOST_EXCHANGED]:
+    def _with_something_exchanged(self, file: LawFile, names: Collection[str] | None) -> Rung | None:
+        """Put another effect of a family in one's place, or a law on another base; None where none does better.
+
+        Args:
+            file: the law.
+            names: its effects that are asked; None for all, and its base.
+        """
+        for structure in self.tests.better_structures(file, names, self.progress)[:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
             if helps([change]) and fits_samples(change):
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"

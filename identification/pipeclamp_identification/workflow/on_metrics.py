@@ -154,6 +154,6 @@ class MetricTests:
         """Two numbers a run are too few to exchange an effect by."""
         return None
 
-    def better_structures(self, file: LawFile, progress: Progress) -> list[Structure]:
+    def better_structures(self, file: LawFile, names: Collection[str] | None, progress: Progress) -> list[Structure]:
         """Two numbers a run are too few to exchange a base or an effect by."""
         return []

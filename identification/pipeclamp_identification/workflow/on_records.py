@@ -238,11 +238,11 @@ class RecordTests:
 
         return simpler_structure(self._asked(file), names, progress)
 
-    def better_structures(self, file: LawFile, progress: Progress) -> list[Structure]:
+    def better_structures(self, file: LawFile, names: Collection[str] | None, progress: Progress) -> list[Structure]:
         """Give a law with one thing exchanged where it does better, see `Tests.better_structures`."""
         from pipeclamp_identification.diagnosis.revision import better_structures
 
-        return better_structures(self._asked(file), progress)
+        return better_structures(self._asked(file), names, progress) if names is None or names else []
 
     def _asked(self, file: LawFile) -> RevisedLaw:
         from pipeclamp_identification.diagnosis.revision import ask_again

@@ -233,10 +233,15 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
-    def better_structures(self, file: LawFile, progress: Progress) -> list[Structure]:
-        """Give a law on other bases, or with another effect of a family, where it does better on left-out conditions.
+    def better_structures(self, file: LawFile, names: Collection[str] | None, progress: Progress) -> list[Structure]:
+        """Give a law with another effect of a family, or on other bases, where it does better on left-out conditions.
 
         Best first; empty where none does or can be told.
+
+        Args:
+            file: the law.
+            names: its effects that are asked; None for all, and its base.
+            progress: is told what is being done.
 
         Raises:
             UserError: the tests can't serve the law.

@@ -39,13 +39,13 @@ def answering(answers, monkeypatch):
         step = SimpleNamespace(step=str(LawStep((effect,))), kind=options["kind"])
         after = law(*file.effects, effect, history=(*file.history, step))
         heldout = tuple(HELD_OUT.get(one.effects, HELD_OUT["".join(one.effects[-1:])]) for one in (file, after))
-        return SimpleNamespace(step=LawStep((effect,)), after=after, heldout=BeforeAfter(*heldout))
+        return SimpleNamespace(step=LawStep((effect,)), after=after, heldout=BeforeAfter(*heldout), noise_nrmse=0.005)
 
     monkeypatch.setattr(change, "add_effect", add)
     return SimpleNamespace(
         diagnose=lambda file, **options: answers[file.effects],
         superfluous=lambda file, keep, progress: None,
-        better_structures=lambda file, progress: [],
+        better_structures=lambda file, names, progress: [],
         simpler_structure=lambda file, names, progress: None,
     )
 
@@ -95,7 +95,7 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     """As where nothing is named: the law may stand on the wrong base, or have an effect that stands for another."""
     answers = {(): found("missing", "part", "play"), ("memory:2",): found("complete")}
     tests = answering(answers, monkeypatch)
-    tests.better_structures = lambda file, progress: ["memory:2"]
+    tests.better_structures = lambda file, names, progress: ["memory:2"]
 
     def exchanged(file, structure, tests, **options):
         return SimpleNamespace(
@@ -116,11 +116,39 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     assert not auto.add_until_settled(law(), tests, command="test").ladder
 
 
+@pytest.mark.parametrize(
+    ("kind", "left", "effects"),
+    [
+        ("part", 0.02, ("play",)),  # what is named next leaves 0.045
+        ("part", 0.048, ("oil_damper", "slip_spread", "memory")),
+        ("cause", 0.02, ("oil_damper", "slip_spread", "memory")),
+    ],
+)
+def test_where_the_next_effect_takes_little_a_part_gives_way_to_its_like(kind, left, effects, monkeypatch):
+    """A clearance with slip behind it had climbed five rungs on the wrong one of two effects that act alike."""
+    monkeypatch.setitem(HELD_OUT, "slip_spread", 0.045)
+    answers = {
+        (): found("missing", kind, "oil_damper"),
+        ("oil_damper",): found("missing", "cause", "slip_spread"),
+        ("oil_damper", "slip_spread"): found("missing", "cause", "memory"),
+        ("oil_damper", "slip_spread", "memory"): found("complete"),
+        ("play",): found("complete"),
+    }
+    tests = answering(answers, monkeypatch)
+    tests.better_structures = lambda file, names, progress: ["play"] if "oil_damper" in names else []
+    error = BeforeAfter(0.05, left)
+    exchanged = SimpleNamespace(
+        step=LawStep(("play",), ("oil_damper",)), after=law("play"), heldout=error, nrmse=error, noise_nrmse=0.005
+    )
+    monkeypatch.setattr(climb, "exchange", lambda *of, **options: exchanged)
+    assert auto.add_until_settled(law(), tests, command="test").file.effects == effects
+
+
 @pytest.mark.parametrize(("base", "cycle", "told"), [("series:1:1", "a saw-tooth", True), ("series:1:1", "", False)])
 def test_that_a_law_on_another_base_would_create_energy_is_told(base, cycle, told, monkeypatch):
     """An eddy-current damper's ladder had come to one, and `build-fmu` alone said so."""
     tests = answering({(): found("unknown"), ("series",): found("unknown")}, monkeypatch)
-    tests.better_structures = lambda file, progress: [base] if not file.effects else []
+    tests.better_structures = lambda file, names, progress: [base] if not file.effects else []
     after = law("series")
     after.base = base
     step = SimpleNamespace(

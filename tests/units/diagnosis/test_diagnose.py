@@ -314,9 +314,11 @@ def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
     taken = identify(tests, Structure(effects=("hardening",))).fit.law
-    better, *_ = better_structures(ask_again(taken, loops), silent)
+    better, *_ = better_structures(ask_again(taken, loops), None, silent)
     assert better == Structure("power", ("end_stop",))
-    assert not better_structures(ask_again(identify(tests, Structure(effects=better.effects)).fit.law, loops), silent)
+    assert not better_structures(
+        ask_again(identify(tests, Structure(effects=better.effects)).fit.law, loops), None, silent
+    )
 
 
 def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
@@ -326,7 +328,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     write_campaign(tmp_path / "campaign", rig.virtual_runs(truth, PLAN), name="virtual", notes="")
     tests = read_campaign(tmp_path / "campaign")
     taken = identify(tests, Structure(effects=("oil_damper",))).fit.law
-    structures = better_structures(ask_again(taken, loops_of(tests)), silent)
+    structures = better_structures(ask_again(taken, loops_of(tests)), None, silent)
     assert structures == [Structure("series:1:2", ("oil_damper",)), Structure("series:1:2")]
 
 
