@@ -29,7 +29,7 @@ from pipeclamp_models.law.file import LawFile, law_of, law_text
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_models.realise.c import c_source
-from pipeclamp_models.realise.scalar_law import parameter_values
+from pipeclamp_models.realise.scalar_law import loaded, parameter_values, source_of
 from pipeclamp_models.realise.stepping import stepping
 
 
@@ -158,9 +158,18 @@ def require_passive(model: ClampModel, file: LawFile) -> None:
     Raises:
         UserError: it would.
     """
-    proof = passivity(model, file)
-    ranges = _ranges(model)
-    require_dissipation(model.name, model.law, *ranges, begin=cycles_through(proof), proved=proof.proved)
+    law = law_of(file)
+    _require_passive(model.name, law.structure, parameter_values(law), _ranges(model))
+
+
+@lru_cache(maxsize=8)
+def _require_passive(
+    name: str, structure: Structure, values: tuple[float, ...], ranges: tuple[tuple[float, float], ...]
+) -> None:
+    """Refuse it; once it has passed, it isn't tried again for another FMU of the same law."""
+    proof = _proof(structure, values, ranges)
+    law = loaded(source_of(structure), values)
+    require_dissipation(name, law, *ranges, begin=cycles_through(proof), proved=proof.proved)
 
 
 def creates_energy(file: LawFile) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import warnings
@@ -92,6 +93,17 @@ def clamp_a() -> Path:
 @pytest.fixture(scope="session")
 def heldout(clamp_a: Path) -> Path:
     return clamp_a.with_name("clamp_a_heldout")
+
+
+@pytest.fixture(scope="session")
+def half(clamp_a: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Half of clamp_a's runs: those at 1 and 5 Hz, but none at 100 °C."""
+    folder = Path(shutil.copytree(clamp_a, tmp_path_factory.mktemp("half") / "half"))
+    rows = (folder / "runs.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    kept = [row for row in rows if "_f3_" not in row and "_T100" not in row]
+    assert len(kept) == 1 + 24
+    (folder / "runs.csv").write_text("".join(kept), encoding="utf-8")
+    return folder
 
 
 @pytest.fixture(scope="session")

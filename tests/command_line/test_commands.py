@@ -250,17 +250,17 @@ def test_a_frequency_response_is_drawn_with_co_simulations_on_it(pipeclamp, tmp_
     examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
     (tmp_path / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
     system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace('"clamp_a.json"', '"emwm2"')
-    table = "[response]\nfrom_Hz = 3.0\nto_Hz = 4.0\nlevels = [0.3, 1.0]\ntemperatures_C = [300.0]\ndots = 1\n"
+    table = "[response]\nfrom_Hz = 3.0\nto_Hz = 4.0\nlevels = [1.0]\ntemperatures_C = [300.0]\ndots = 1\n"
     (tmp_path / "system.toml").write_text(f"{system}\n{table}", encoding="utf-8")
     done = pipeclamp("response", "system.toml", "-o", "response.csv", "--report", "response.html", cwd=tmp_path)
     frame = pl.read_csv(tmp_path / "response.csv")
     curves = frame.filter(pl.col("kind") == "curve")
     assert set(curves["temperature [degC]"]) == {300.0}
-    assert curves.group_by("level").agg(pl.col("frequency [Hz]").max())["frequency [Hz]"].to_list() == [4.0] * 2
-    assert frame.filter(pl.col("kind") == "co-simulation").height == 2
+    assert curves.group_by("level").agg(pl.col("frequency [Hz]").max())["frequency [Hz]"].to_list() == [4.0]
+    assert frame.filter(pl.col("kind") == "co-simulation").height == 1
     said = " ".join(done.stdout.split())
-    assert "2 co-simulations in steps of" in said
-    assert "those that settled and can be trusted (2) differ by at most 0." in said
+    assert "1 co-simulation in steps of" in said
+    assert "those that settled and can be trusted (1) differ by at most 0." in said
     assert (tmp_path / "response.html").stat().st_size > 1e5
     outside = curves.filter(pl.col("clamp1.inRange [1 yes, 0 no]") == 0.0)
     assert outside.height > 0
@@ -294,24 +294,6 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
         r'<a href="#section-[0-9]+">([^<]*)</a>', (tmp_path / "story" / "3_clamp_a.html").read_text("utf-8")
     )
     assert len(links) > 10 and len(set(links)) == len(links)
-
-
-def test_the_measured_damper_is_read_identified_and_compared(pipeclamp, measured_data, tmp_path):
-    campaign = measured_data / "mr_damper"
-    law, path = tmp_path / "law.json", tmp_path / "compare.json"
-    pipeclamp("metrics", campaign, "--json", tmp_path / "metrics.json")
-    assert len(read(tmp_path / "metrics.json")["runs"]) == 30
-    pipeclamp("identify", campaign, "-o", law)
-    base = read(law)
-    # temperature is not known in any run, and where there is no linear stiffness nothing follows the amplitude
-    frozen = {name: entry["reason"] for name, entry in base["coefficients"].items() if entry["state"] == "frozen"}
-    assert {name for name, reason in frozen.items() if reason == "T isn't known"} == {"k1_T", "k3_T"}
-    assert set(frozen) <= {"k1_T", "k3_T", "k1_A"}
-    pipeclamp("add", law, "condition:current_A", campaign, "-o", law)
-    pipeclamp("compare", law, campaign, "--json", path)
-    answer = read(path)
-    assert answer["nrmse"] < 0.6 * base["fit"]["nrmse"], "the force follows the current"
-    assert answer["noise_nrmse"] < 0.025
 
 
 def test_a_native_clamp_is_built(pipeclamp, law, tmp_path):

@@ -9,19 +9,19 @@ def read(path):
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-def test_a_smaller_memory_is_added_diagnosed_and_replaced(pipeclamp, clamp_a, law, tmp_path):
+def test_a_smaller_memory_is_added_diagnosed_and_replaced(pipeclamp, half, law, tmp_path):
     """From `add law.json memory` on, as the README walks."""
     one, two, answer = tmp_path / "one.json", tmp_path / "two.json", tmp_path / "answer.json"
-    pipeclamp("add", law, "memory", clamp_a, "-o", one)
-    pipeclamp("diagnose", one, clamp_a, "--json", answer)
+    pipeclamp("add", law, "memory", half, "-o", one)
+    pipeclamp("diagnose", one, half, "--json", answer)
     assert read(answer)["verdict"] in ("missing", "ambiguous")
-    done = pipeclamp("add", one, "memory", clamp_a, "-o", tmp_path / "again.json", status=1)
+    done = pipeclamp("add", one, "memory", half, "-o", tmp_path / "again.json", status=1)
     assert "effect 'memory' is in the law already" in done.stderr
-    pipeclamp("add", one, "memory:2", clamp_a, "-o", two)
+    pipeclamp("add", one, "memory:2", half, "-o", two)
     assert read(two)["effects"] == ["memory:2"]
     assert {"k_s1", "k_s2"} <= set(read(two)["coefficients"])
     assert "k_s" not in read(two)["coefficients"]
-    done = pipeclamp("add", two, "memory", clamp_a, "-o", tmp_path / "again.json", status=1)
+    done = pipeclamp("add", two, "memory", half, "-o", tmp_path / "again.json", status=1)
     assert "the law has 'memory:2' already" in done.stderr
     assert not (tmp_path / "again.json").exists()
 

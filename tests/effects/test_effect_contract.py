@@ -7,7 +7,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -78,10 +78,14 @@ def sines(A, f, T, samples=512):
     return replace(motion, slow={**motion.slow, **further})
 
 
+source = lru_cache(maxsize=1)(python_source)
+"""The text that goes into an FMU, made once for all values of a law."""
+
+
 def executed(law):
     """Run the text that goes into an FMU, with a law's values; nothing but math is there for it."""
     scope = {"math": math}
-    exec(python_source(law.structure), scope)
+    exec(source(law.structure), scope)
     scope["coefficients"] = partial(scope["coefficients"], parameter_values(law))
     return scope
 

@@ -362,21 +362,3 @@ def test_fmpy_compiles_the_sources_into_the_same_clamp(native_fmus, law_with_mem
     ]
     np.testing.assert_allclose(runs[0], runs[1], rtol=1e-12)
     assert runs[0][-1] > 0
-
-
-MAGIC = {
-    2: {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"},
-    3: {"aarch64-linux": b"\x7fELF", "aarch64-darwin": b"\xcf\xfa\xed\xfe"},
-}
-ZIG_PLATFORMS = {2: ("linux64", "win64", "darwin64"), 3: ("linux-arm64", "darwin-arm64")}
-
-
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_zig_compiles_for_every_platform(law_with_memory, tmp_path, fmi):
-    pytest.importorskip("ziglang", reason="ziglang isn't installed: pip install 'pipeclamp[native]'")
-    built = build_native_clamp(law_with_memory, tmp_path / "all.fmu", fmi, ZIG_PLATFORMS[fmi])
-    assert built.platforms == ZIG_PLATFORMS[fmi]
-    with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
-        for folder, magic in MAGIC[fmi].items():
-            (library,) = [name for name in archive.namelist() if name.startswith(f"binaries/{folder}/")]
-            assert archive.read(library).startswith(magic)

@@ -22,7 +22,7 @@ def test_what_is_hidden_is_named(hidden, tmp_path):
     from pipe_rig import describe, measure
 
     trial = next(trial for trial in TRIALS if (trial.design, trial.hidden) == ("cantilever", hidden))
-    design = replace(DESIGNS[trial.design], sines=sines(5.0, 12.0, 9, (0.5, 2.0)))
+    design = replace(DESIGNS[trial.design], sines=sines(6.0, 10.0, 4, (0.5, 2.0)))
     stated = design.write(tmp_path, {}, {})
     true = design.write(tmp_path / "true", trial.fields, trial.laws)
     files = measure(true, design.sensors, design.sines, tmp_path / "measured", trial.noise, seed=5)
@@ -42,7 +42,7 @@ def test_sensors_out_of_calibration_are_named_and_no_part_of_the_pipe(tmp_path):
     from measuring_trials import MEASURING_DESIGNS
     from pipe_rig import describe, measure
 
-    design = replace(MEASURING_DESIGNS["line strong"], sines=sines(13.0, 21.0, 9, (2.0,)))
+    design = replace(MEASURING_DESIGNS["line strong"], sines=sines(13.0, 21.0, 5, (2.0,)))
     stated = design.write(tmp_path, {}, {})
     wrong = tuple(replace(sensor, gain=1.1) for sensor in design.sensors)
     files = measure(stated, wrong, design.sines, tmp_path / "measured", 0.01, seed=5)

@@ -53,7 +53,7 @@ STEPS = {
 }
 """Parts of a cycle, by scheme."""
 
-CYCLES = 12
+CYCLES = 8
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ TRUTH = {
     "k_s": 900.0, "z_s": 150.0, "k2": 60.0,
 }  # fmt: skip
 """Elastic slip, and halves that are pressed unequally."""
-PLAN = rig.TestPlan(temperatures=(20.0, 150.0, 300.0), rate=500.0, seed=5)
+PLAN = rig.TestPlan(temperatures=(20.0, 300.0), rate=500.0, seed=5)
 
 
 @pytest.fixture(scope="module")
@@ -40,12 +40,9 @@ def same(one, other):
     assert one.best.heldout_nrmse == pytest.approx(other.best.heldout_nrmse, rel=1e-2)
 
 
-def test_order_of_runs(campaign, found):
+def test_neither_the_order_of_runs_nor_the_size_of_the_force_matters(campaign, found):
     assert found.effects
     order = np.random.default_rng(1).permutation(len(campaign.runs))
-    same(diagnose(Structure("power"), replace(campaign, runs=tuple(campaign.runs[place] for place in order))), found)
-
-
-def test_force_a_thousand_times_as_large(campaign, found):
-    runs = tuple(replace(run, record=replace(run.record, force_N=1000.0 * run.record.force_N)) for run in campaign.runs)
+    shuffled = [campaign.runs[place] for place in order]
+    runs = tuple(replace(run, record=replace(run.record, force_N=1000.0 * run.record.force_N)) for run in shuffled)
     same(diagnose(Structure("power"), replace(campaign, runs=runs)), found)

@@ -13,6 +13,7 @@ import numpy as np
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.law.file import Interval
 from pipeclamp_models.pipe.description import read_pipe
@@ -187,8 +188,9 @@ class FrequencyResponse:
         sound = [dot for dot in self.dots if dot.settled and dot.trusted]
         good = [dot.difference for dot in sound if dot.repeats and dot.has_branch]
         lines = [
-            f"{len(self.dots)} co-simulations in steps of {min(steps):.3g} to {max(steps):.3g} ms; those that settled "
-            f"and can be trusted ({len(good)}) differ by at most {max(good, default=0.0):.2%} from the stable branches"
+            f"{counted(len(self.dots), 'co-simulation')} in steps of {min(steps):.3g} to {max(steps):.3g} ms; "
+            f"those that settled and can be trusted ({len(good)}) differ by at most {max(good, default=0.0):.2%} from "
+            "the stable branches"
         ]
         odd = [dot for dot in sound if not dot.repeats]
         if odd:
