@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,12 +17,20 @@ from pipeclamp_identification.campaign.records import Record, check_samples
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
+from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.law import Structure
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """What commands keep from call to call goes where pytest keeps things, not into the user's folder."""
     os.environ["PIPECLAMP_CACHE"] = str(config.cache.mkdir("pipeclamp"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def linear_algebra_on_one_thread() -> Iterator[None]:
+    """What tests call from within runs as it does in a command: on two threads it takes several times as long."""
+    with one_thread():
+        yield
 
 
 def _record(

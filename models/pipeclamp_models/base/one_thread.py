@@ -8,11 +8,16 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 NUMBERS_OF_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What libraries of linear algebra read when they are loaded."""
 _HELD = ContextVar("held", default=False)
-"""Whether they are held to one thread already: to find them among all libraries takes 1 to 8 ms each time."""
+"""Whether they are held to one thread already."""
 
 
 def one_thread_throughout() -> None:
@@ -34,14 +39,23 @@ def one_thread() -> Iterator[None]:
     if _HELD.get():
         yield
         return
-    from threadpoolctl import ThreadpoolController
-
     # SciPy has a BLAS of its own: one that is loaded only later would not be held.
     importlib.import_module("scipy.linalg")
-    # Made anew each time: libraries may have been loaded since.
-    with ThreadpoolController().limit(limits=1, user_api="blas"):
+    with _controller(len(sys.modules)).limit(limits=1, user_api="blas"):
         before = _HELD.set(True)
         try:
             yield
         finally:
             _HELD.reset(before)
+
+
+@lru_cache(maxsize=1)
+def _controller(modules: int) -> ThreadpoolController:
+    """Find what can be held among all loaded libraries, which takes 1 to 8 ms: anew where modules were imported since.
+
+    Args:
+        modules: how many are imported: libraries of linear algebra come with them.
+    """
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from few_effects import few_effects
 
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
@@ -52,7 +53,12 @@ def test_the_arm_that_was_fitted_at_all_temperatures_is_found_at_its_own(cold_te
 
 
 def test_relaxation_that_takes_nothing_alone_is_named_with_what_moves_it(cold_tests):
-    found = diagnosed(law_file(identify(cold_tests), cold_tests, name="law", provenance=Provenance("test")), cold_tests)
+    file = law_file(identify(cold_tests), cold_tests, name="law", provenance=Provenance("test"))
+    with few_effects(
+        "relaxation", "relaxation_temperature", "relaxation_spread", "damping_temperature", "stiffness_frequency",
+        "memory", "hardening",
+    ):  # fmt: skip
+        found = diagnosed(file, cold_tests)
     assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("relaxation",)), found.headline()
     assert found.together == ("relaxation", "relaxation_temperature")
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from few_effects import few_effects
 
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
@@ -59,9 +60,19 @@ def test_scatter_alone_is_complete():
     assert diagnosis.explained(likeliest) == 0.0  # nothing is missing of which it could explain a share
 
 
-def test_a_missing_effect_is_named_with_its_caution():
+@pytest.fixture(scope="module")
+def named():
+    """Metrics of a clamp whose damping follows the temperature, and their diagnosis among effects of several kinds."""
     tests = metrics(("damping_temperature",), c_T1=-0.15, c_T2=0.05, c_T3=0.0)
-    diagnosis = diagnose_metrics(Structure("power"), tests)
+    with few_effects(
+        "damping_temperature", "viscous", "quadratic_damping", "stiffness_frequency", "hardening", "memory",
+        "relaxation", "offset", "delay",
+    ):  # fmt: skip
+        return tests, diagnose_metrics(Structure("power"), tests)
+
+
+def test_a_missing_effect_is_named_with_its_caution(named):
+    tests, diagnosis = named
     assert (diagnosis.verdict, diagnosis.effects) == ("missing", ("damping_temperature",))
     assert diagnosis.tested_once == ("T",)
     answer = MetricDiagnosed(diagnosis, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
@@ -112,9 +123,9 @@ def test_slopes_of_the_metrics_match_differences(quiet):
 
 
 @pytest.fixture(scope="module")
-def rivals():
+def rivals(named):
     """A diagnosis in which memory counts as a rival of what is hidden."""
-    diagnosis = diagnose_metrics(Structure("power"), metrics(("damping_temperature",), c_T1=-0.15, c_T2=0.05, c_T3=0.0))
+    _, diagnosis = named
     memory = judge_metrics(("memory",), Structure("power", ("memory",)), {}, diagnosis.observations)
     laws = (*diagnosis.found.laws, memory)
     return replace(diagnosis, found=replace(diagnosis.found, verdict="ambiguous", laws=laws))
