@@ -164,6 +164,8 @@ def test_an_effect_is_shown_whole(pipeclamp, tmp_path):
     ):
         assert words in text
     assert max(map(len, text.splitlines())) <= 80
+    wide = pipeclamp("effects", "play").stdout
+    assert "  in place of y\n    y - e_p\n" in wide, "beside its long headings it had a column of one letter"
     assert "40 to 1000" in pipeclamp("effects", "relaxation_temperature").stdout, "plain figures"
     assert "1/[column]" in pipeclamp("effects", "condition").stdout
     assert "z2" in pipeclamp("effects", "memory:2").stdout

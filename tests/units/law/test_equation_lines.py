@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from pipeclamp_models.law.catalogue import find_effect, listed
@@ -44,6 +46,7 @@ def test_an_effect_is_stated_whole(effect):
     assert set().union(*(one.expression.free_symbols for one in statements)) <= explained
     for one in statements:
         assert not any(word in one.plain + one.latex for word in ("**", "Piecewise", "sign"))
+        assert not re.search(r"\d{7}|[{}]", one.plain)
 
 
 def test_statements_say_what_they_are():

@@ -15,6 +15,9 @@ from pipeclamp_models.equations.effect import Coefficient, Effect, Stage, State
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.reading.typeset import PlusFirst, equation, latex, short
 
+WITHOUT_BRACES = str.maketrans("", "", "{}")
+"""What LaTeX holds an exponent together by."""
+
 
 def equation_lines(equations: Composed) -> list[str]:
     """Give a law's equations, a line each: the force, its coefficients, its memory after a step, as plain text."""
@@ -149,7 +152,12 @@ class _Words(PlusFirst, StrPrinter):  # type: ignore[misc]
         return f"({'; '.join(cases)})"
 
     def _print_Rational(self, expression: sp.Rational) -> str:
-        return str(short(expression) or super()._print_Rational(expression))
+        power = short(expression)
+        return str(super()._print_Rational(expression) if power is None else power).translate(WITHOUT_BRACES)
+
+    def _print_Integer(self, expression: sp.Integer) -> str:
+        power = short(expression)
+        return str(super()._print_Integer(expression) if power is None else power).translate(WITHOUT_BRACES)
 
     def _print_Abs(self, expression: sp.Abs) -> str:
         return f"|{self._print(expression.args[0])}|"
