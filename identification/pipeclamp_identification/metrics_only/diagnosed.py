@@ -77,6 +77,11 @@ class MetricDiagnosed:
         return {}
 
     @property
+    def leaves_means_open(self) -> bool:
+        """Never: metrics hold no mean force."""
+        return False
+
+    @property
     def calls_for_a_term(self) -> bool:
         """Never: a term acts along a loop, which metrics don't hold."""
         return False

@@ -82,7 +82,10 @@ def _ends_better(other: Settled, best: Settled) -> bool:
     """Tell whether a ladder ends with a materially smaller error on left-out conditions, or as small and complete.
 
     Or, of errors that are as good, with fewer effects: what each of them adds along other motions no sine has asked.
+    A law that leaves mean forces open errs by less only since it foretells none of them.
     """
+    if other.found.leaves_means_open and not best.found.leaves_means_open:
+        return False
     complete = other.found.verdict == "complete" and other.heldout <= best.heldout
     simpler = other.heldout <= best.heldout * STILL_AS_GOOD and len(other.file.effects) < len(best.file.effects)
     return complete or simpler or other.heldout * STILL_AS_GOOD < best.heldout

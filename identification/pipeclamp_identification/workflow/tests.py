@@ -59,6 +59,10 @@ class Diagnosed(Naming, Protocol):
         """Whether a term beyond the catalogue is worth a search (`discover`)."""
 
     @property
+    def leaves_means_open(self) -> bool:
+        """Whether the law as it is leaves mean forces open: its error is without them, for it foretells none."""
+
+    @property
     def proposal(self) -> Proposed | None:
         """The test to run next, where rivals are left and one within the limits tells them apart."""
 
