@@ -17,7 +17,7 @@ from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Pr
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, unproved_of
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Prepared
-from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, FORM_NOISE_SHARE
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
@@ -123,7 +123,7 @@ class RecordDiagnosed:
     @property
     def leaves_means_open(self) -> bool:
         """Whether the law as it is leaves mean forces open, by more than passes for form; see `Diagnosed`."""
-        return means_left_open(self.diagnosis.law, self.diagnosis.problem).share > FORM_NOISE_SHARE
+        return means_left_open(self.diagnosis.law, self.diagnosis.problem).are_material
 
     def sensors(self) -> tuple[str, ...]:
         """Say which sensors failed or drift: that goes before any physics."""

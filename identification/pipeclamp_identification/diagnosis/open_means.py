@@ -8,7 +8,12 @@ import numpy as np
 from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MOSTLY_STUCK_SHARE, REAL_LACK_CHANCE
+from pipeclamp_identification.diagnosis.thresholds import (
+    FORM_NOISE_SHARE,
+    HALF_TAKEN_SHARE,
+    MOSTLY_STUCK_SHARE,
+    REAL_LACK_CHANCE,
+)
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.signals.digits import newtons
 
@@ -29,6 +34,11 @@ class OpenMeans:
     of_runs: int
     rms: float
     share: float
+
+    @property
+    def are_material(self) -> bool:
+        """Whether they are more than passes for form."""
+        return self.share > FORM_NOISE_SHARE
 
     def words(self) -> str:
         """Say what no law foretells."""

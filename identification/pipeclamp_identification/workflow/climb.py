@@ -201,16 +201,18 @@ class Climber:
                 continue
             tried = self._until_one_helps(place, found)
             helped = bool(tried) and helps(tried[-1])
-            doubtful = parts_of(place.file) if helped else None
-            rung = None if helped and takes_half(tried[-1]) else self._with_something_exchanged(place.file, doubtful)
+            parts = parts_of(place.file)
+            goes_well = helped and (takes_half(tried[-1]) or not parts)
+            rung = None if goes_well else self._with_something_exchanged(place.file, parts if helped else None)
             if helped and (rung is None or tried[-1][-1].heldout.after <= rung.change.heldout.after):
                 self.seen(found, place.file)
                 forks = (*forks, *_forks(place, found, tried[-1][0].step.effect))
                 place = place.after(*_rungs(found, tried))
                 name = having = tried[-1][-1].step.effect
             else:
-                in_vain = (*went, *(_in_vain(steps) for steps in tried)) if not helped else went
-                found = found.naming_nothing(in_vain_words(in_vain)) if tried and not helped else found
+                failed = () if helped else tuple(map(_in_vain, tried))
+                in_vain = (*went, *failed)
+                found = found.naming_nothing(in_vain_words(in_vain)) if failed else found
                 self.seen(found, place.file)
                 if rung is None:
                     return WayUp(Settled(place.file, found, place.ladder, in_vain), forks, met)

@@ -242,7 +242,7 @@ class RecordTests:
         """Give a law with one thing exchanged where it does better, see `Tests.better_structures`."""
         from pipeclamp_identification.diagnosis.revision import better_structures
 
-        return better_structures(self._asked(file), names, progress) if names is None or names else []
+        return better_structures(self._asked(file), names, progress)
 
     def _asked(self, file: LawFile) -> RevisedLaw:
         from pipeclamp_identification.diagnosis.revision import ask_again

@@ -48,15 +48,8 @@ PLAN = rig.TestPlan(rate=500.0, seed=3)
 LOPSIDED = ("asymmetry", "offset", "gas_spring", "unilateral_contact", "directional_damping", "gap", "memory")
 """What acts like a force that is stiffer on one side, and something else."""
 SLIPPING = (
-    "memory",
-    "slip_temperature",
-    "slip_speed",
-    "damping_temperature",
-    "bouc_wen",
-    "play",
-    "coulomb",
-    "relaxation",
-)
+    "memory", "slip_temperature", "slip_speed", "damping_temperature", "bouc_wen", "play", "coulomb", "relaxation",
+)  # fmt: skip
 """What acts like an element that slips, and what scales it."""
 OVER_FREQUENCY = ("stiffness_frequency", "inertia", "inner_mass", "relaxation", "oil_damper", "delay")
 """What makes stiffness and damping follow the frequency."""

@@ -169,7 +169,7 @@ def _complete(reason: str, scales: Scales) -> Weighed:
     """
     if not scales.tolerance.proved:
         means = means_left_open(scales.law, scales.problem)
-        if means.share > FORM_NOISE_SHARE:
+        if means.are_material:
             return nothing_named("unknown", means.words())
     scales.tell("levels left out")
     worst = worst_level(scales.law, scales.problem)

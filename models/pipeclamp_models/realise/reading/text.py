@@ -155,9 +155,7 @@ class _Words(PlusFirst, StrPrinter):  # type: ignore[misc]
         power = short(expression)
         return str(super()._print_Rational(expression) if power is None else power).translate(WITHOUT_BRACES)
 
-    def _print_Integer(self, expression: sp.Integer) -> str:
-        power = short(expression)
-        return str(super()._print_Integer(expression) if power is None else power).translate(WITHOUT_BRACES)
+    _print_Integer = _print_Rational
 
     def _print_Abs(self, expression: sp.Abs) -> str:
         return f"|{self._print(expression.args[0])}|"
