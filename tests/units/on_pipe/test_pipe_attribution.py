@@ -56,7 +56,7 @@ unit = "mm"
 file = "sines.csv"
 """
 TWO_PROBES = '[[probes]]\nname = "again"\nposition_m = 2.0\nunit = "mm"\n' + MEASUREMENT
-SINES = [(f, level) for level in (1.0, 4.0) for f in np.linspace(6.0, 18.0, 9).tolist()]
+SINES = [(f, level) for level in (1.0, 4.0) for f in np.linspace(6.0, 18.0, 13).tolist()]
 
 
 @pytest.fixture(scope="module")
