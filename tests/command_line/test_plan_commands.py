@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import json
 import shlex
+import sys
+from types import SimpleNamespace
 
 import pytest
 from banded import banded
+
+from pipeclamp.__main__ import main
+from pipeclamp.cli import planning
+from pipeclamp.show import narrowing as views
+from pipeclamp_identification.planning import narrowing
 
 
 def test_the_next_loop_test_of_a_pipe(tmp_path, pipeclamp):
@@ -29,7 +36,19 @@ def test_the_next_loop_test_of_a_pipe(tmp_path, pipeclamp):
     page = report.read_text(encoding="utf-8")
     assert f"Next, {first}, run the command below." in page
     assert again in page
-    following = pipeclamp("plan", path, "--limits", "A=0.02..1").stdout.splitlines()[-1]
+
+
+def test_without_a_drive_the_next_command_writes_one(tmp_path, monkeypatch, capsys):
+    """What is said after a plan that is found elsewhere: `plan` itself is tried above."""
+    path = banded(tmp_path, 1.0)
+    monkeypatch.setattr(narrowing, "plan_tests", lambda *_, **__: SimpleNamespace(tests=["one"]))
+    monkeypatch.setattr(views, "band_plan_view", lambda *_: None)
+    monkeypatch.setattr(planning, "show", lambda *_: None)
+    monkeypatch.setattr(sys, "argv", ["pipeclamp", "plan", str(path), "--limits", "A=0.02..1"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 0
+    following = " ".join(capsys.readouterr().out.split())
     assert following == f"Next: pipeclamp plan {path} --limits A=0.02..1 --drive next_test.csv"
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import ODEintWarning, odeint
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Law
@@ -19,6 +20,9 @@ RATE_STEP = 1e-5
 
 It is the time constant with which a slipping element reaches its limit; a stiffer one costs the integrator its digits.
 """
+
+SOLVED = "Integration successful."
+"""What SciPy says where its integration reached the end."""
 
 
 @dataclass(frozen=True)
@@ -98,22 +102,25 @@ def solve_monolithic(
     shapes = np.array(pipe.clamp_shapes).reshape(len(clamps), len(pipe.omega))
     count = len(pipe.omega)
     ends = 2 * count + np.cumsum([0] + [len(clamp.start) for clamp in clamps])
+    remembering = [(i, clamp, slice(ends[i], ends[i + 1])) for i, clamp in enumerate(clamps) if clamp.start]
+    # In one product: the rates without loads, then each clamp's displacement and velocity in mm and mm/s.
+    still, both = np.zeros_like(shapes), slice(0, 2 * count)
+    motion = 1e3 * np.block([[shapes, still], [still, shapes]])
+    linear = np.vstack([np.block([[np.zeros((count, count)), np.eye(count)], [-stiffness, -damping]]), motion])
+    entering = np.vstack([participation, -shapes])
 
-    def clamp_forces(state: Array, y: Array, v: Array) -> list[float]:
-        return [
-            clamp.force(state[ends[i] : ends[i + 1]].tolist(), 1e3 * y[i], 1e3 * v[i]) for i, clamp in enumerate(clamps)
-        ]
+    def clamp_forces(state: Array, y: Sequence[float], v: Sequence[float]) -> list[float]:
+        return [clamp.force(state[ends[i] : ends[i + 1]].tolist(), y[i], v[i]) for i, clamp in enumerate(clamps)]
 
     def rates(t: float, state: Array) -> Array:
-        q, p = state[:count], state[count : 2 * count]
-        y, v = shapes @ q, shapes @ p
         change = np.empty_like(state)
-        change[:count] = p
-        change[count : 2 * count] = participation * excitation(t) - damping @ p - stiffness @ q
-        change[count : 2 * count] -= clamp_forces(state, y, v) @ shapes
-        for i, clamp in enumerate(clamps):
-            own = slice(ends[i], ends[i + 1])
-            change[own] = clamp.rates(state[own].tolist(), 1e3 * y[i], 1e3 * v[i])
+        unloaded = linear @ state[both]
+        moved = unloaded[2 * count :].tolist()
+        y, v = moved[: len(clamps)], moved[len(clamps) :]
+        change[both] = unloaded[both]
+        change[count : 2 * count] += np.array([excitation(t), *clamp_forces(state, y, v)]) @ entering
+        for i, clamp, own in remembering:
+            change[own] = clamp.rates(state[own].tolist(), y[i], v[i])
         return change
 
     start = np.concatenate([np.zeros(2 * count), *(np.array(clamp.start) for clamp in clamps)])
@@ -122,23 +129,27 @@ def solve_monolithic(
     absolute = np.full(start.size, 1e-6)
     absolute[:count] = 1e-12 / largest
     absolute[count : 2 * count] = 1e-12 / largest * np.maximum(pipe.omega, pipe.omega[-1] / 100)
-    solution = solve_ivp(
-        rates,
-        (0.0, float(time[-1])),
-        start,
-        method="LSODA",
-        t_eval=time,
-        rtol=relative_tolerance,
-        atol=absolute,
-        max_step=float(time[-1]) / 200,  # so that a slow start doesn't step over the excitation
-    )
-    if not solution.success:
-        raise ArithmeticError(f"the monolithic solution fails at t = {solution.t[-1]:g} s: {solution.message}")
-    states = solution.y.T
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ODEintWarning)  # what failed is in the message
+        states, told = odeint(
+            rates,
+            start,
+            time,
+            tfirst=True,
+            full_output=True,
+            rtol=relative_tolerance,
+            atol=absolute,
+            hmax=float(time[-1]) / 200,  # so that a slow start doesn't step over the excitation
+            mxstep=10**9,  # between two times: as many as the tolerance takes
+        )
+    if told["message"] != SOLVED:
+        raise ArithmeticError(f"the monolithic solution fails after t = {told['tcur'].max():g} s: {told['message']}")
+    if not np.isfinite(states).all():
+        raise ArithmeticError("the monolithic solution grows beyond all numbers")
     q, p = states[:, :count], states[:, count : 2 * count]
     displacement, velocity = q @ shapes.T, p @ shapes.T
     force = np.array(
-        [clamp_forces(state, y, v) for state, y, v in zip(states, displacement, velocity, strict=True)]
+        [clamp_forces(*row) for row in zip(states, 1e3 * displacement, 1e3 * velocity, strict=True)]
     ).reshape(time.size, len(clamps))
     loads = np.outer([excitation(t) for t in time], participation) - force @ shapes
     acceleration = loads - p @ damping.T - q @ stiffness.T

@@ -15,8 +15,9 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-GAUSS = np.polynomial.legendre.leggauss(6)
-"""Points and weights that integrate the product of two shapes, polynomials of the fifth degree, exactly."""
+_FROM_MINUS_ONE, _OF_TWO = np.polynomial.legendre.leggauss(6)
+POINTS, WEIGHTS = (1 + _FROM_MINUS_ONE) / 2, _OF_TWO / 2
+"""What integrates the product of two shapes over x from 0 to 1, polynomials of the fifth degree, exactly."""
 
 SHEARED = 0.1
 """phi above which a moment per length has a shape of its own: below, it takes less than 1e-9 of an eigenfrequency, and
@@ -42,8 +43,8 @@ class Element:
         """How many shapes it has besides those of its ends."""
         return 3 if self.shear_ratio > SHEARED else 2
 
-    def shapes_at(self, x: float) -> tuple[Array, Array, Array]:
-        """Give the shapes at x from 0 to 1: displacement, its slope, the section's rotation, each (4 + inner,)."""
+    def shapes_at(self, x: float | Array) -> tuple[Array, Array, Array]:
+        """Give the shapes at x from 0 to 1: displacement, its slope, the section's rotation, each (4 + inner, *x)."""
         a, phi = self.length, self.shear_ratio
         displacement = (
             2 * x**3 - 3 * x**2 - phi * x + 1 + phi,
@@ -70,8 +71,8 @@ class Element:
             np.concatenate([np.array(rotation) / (1 + phi), inner_rotation / a]),
         )
 
-    def _within(self, x: float) -> tuple[Array, Array, Array, Array]:
-        """Give the inner shapes at x: displacement, rotation, its slope, shear angle, over powers of length, each (i,).
+    def _within(self, x: float | Array) -> tuple[Array, Array, Array, Array]:
+        """Give inner shapes at x: displacement, rotation, its slope, shear angle, over powers of length, each (i, *x).
 
         They solve S' = -q, T'' = -S - m, W' = T + phi S/12 with W = T = 0 at both ends, for the shear force S, the
         rotation T and the displacement W under q = 24, q = 1 - 2 x, and m = 6 (1 + phi)/phi.
@@ -88,9 +89,9 @@ class Element:
                 x**2 / 2 - x**3 / 3 - at_start * x + turned,
                 phi / 12 * (at_start - y),
             ),
-            (3 / 2 * x**2 - x**3 - x / 2, 3 * y, 3 * (1 - 2 * x), -1 / 2),
+            (3 / 2 * x**2 - x**3 - x / 2, 3 * y, 3 * (1 - 2 * x), 0 * x - 1 / 2),
         ]  # fmt: skip
-        displacement, rotation, bent, sheared = np.array(found[: self.inner]).T
+        displacement, rotation, bent, sheared = np.array(found[: self.inner]).swapaxes(0, 1)
         return displacement, rotation, bent, sheared
 
     def stiffness(self) -> Array:
@@ -104,21 +105,20 @@ class Element:
         ]
         whole = np.zeros((4 + self.inner, 4 + self.inner))
         whole[:4, :4] = np.array(unscaled) / (1 + phi)
-        for point, weight in zip(*GAUSS, strict=True):
-            _, _, bent, sheared = self._within((1 + point) / 2)
-            strains = [bent, sheared * sqrt(12 / phi)] if phi else [bent]
-            whole[4:, 4:] += weight / 2 * sum(np.outer(strain, strain) for strain in strains)
+        _, _, bent, sheared = self._within(POINTS)
+        for strain in [bent, sheared * sqrt(12 / phi)] if phi else [bent]:
+            whole[4:, 4:] += _integral(strain)
         return self.bending_stiffness / a**3 * whole
 
     def integrals(self, mass_per_length: float, rotary_inertia: float) -> tuple[Array, Array, Array]:
         """Give the mass (kg), the integral of w' w' (1/m) and that of w w', each of the stiffness's shape."""
-        size = 4 + self.inner
-        mass, straightening, crossing = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
-        for point, weight in zip(*GAUSS, strict=True):
-            displacement, slope, rotation = self.shapes_at((1 + point) / 2)
-            share = weight / 2 * self.length
-            mass += share * mass_per_length * np.outer(displacement, displacement)
-            mass += share * rotary_inertia * np.outer(rotation, rotation)
-            straightening += share * np.outer(slope, slope)
-            crossing += share * np.outer(displacement, slope)
-        return mass, straightening, crossing
+        displacement, slope, rotation = self.shapes_at(POINTS)
+        mass = mass_per_length * _integral(displacement) + rotary_inertia * _integral(rotation)
+        crossing = (WEIGHTS * displacement) @ slope.T
+        return self.length * mass, self.length * _integral(slope), self.length * crossing
+
+
+def _integral(shapes: Array) -> Array:
+    """Give the integrals of the shapes' products over x from 0 to 1, of what they are at `POINTS`; symmetric."""
+    rooted = np.sqrt(WEIGHTS) * shapes
+    return np.asarray(rooted @ rooted.T)

@@ -63,3 +63,14 @@ def test_half_the_step_errs_by_a_quarter_at_most():
         fine = np.arange(every * (TIME.size - 1) + 1) / (200 * every)
         found.append(march([Variant(pipe, held)], shaken(fine), fine[1], every, [0]).probes)
     assert np.std(found[1] - found[2]) < np.std(found[0] - found[2]) / 4
+
+
+@pytest.mark.parametrize(
+    ("excitation", "words"),
+    [(lambda t: 1e300 * t, "fails after t = "), (lambda t: float("nan") if t > 0.5 else 1.0, "beyond all numbers")],
+)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_an_integration_that_fails_is_no_reference(excitation, words):
+    equations = [clamp_equations(law("power", POWER), 0.5, 6.0, 293.15)] * 2
+    with pytest.raises(ArithmeticError, match=words):
+        solve_monolithic(reduce(parse_pipe(pipe_text())), equations, excitation, TIME, 1e-6)
