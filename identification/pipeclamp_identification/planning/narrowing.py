@@ -20,13 +20,15 @@ from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_system.bands.band import Band, band_of, steps_of
+from pipeclamp_system.bands.described import unknown_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem, banded_system
 from pipeclamp_system.bands.response import refuse as refuse_bands
 from pipeclamp_system.bands.sensitivity import conditions_at
 from pipeclamp_system.bands.told import PeakBand
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw, gaps
-from pipeclamp_system.steady.described import steady_clamps
+from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.described import read_responding, steady_clamps
 from pipeclamp_system.steady.response import Curve, amplitudes_of, label, run_response
 from pipeclamp_system.steady.states import SteadyState
 
@@ -141,9 +143,8 @@ def plan_tests(
         UsageError: the share can't be held by a band, or there is no such clamp or probe.
     """
     refuse_bands(path, per_cent, {})
+    _refuse_beforehand(path, limits, at, noise_N)
     response = run_response(path, progress, dots=False)
-    if at is not None and at not in response.points:
-        raise UsageError(f"--at: {unknown_name(at, list(response.points), 'clamp or probe')}")
     system = banded_system(path, response, by_clamp=True)
     points = range(len(response.points)) if at is None else [response.points.index(at)]
     progress("what the peaks follow")
@@ -153,9 +154,7 @@ def plan_tests(
     before = system.bands(wanted.curve, per_cent).peaks[wanted.point]
     search = _NarrowingSearch(path, system, wanted, before, per_cent, response.clamp_names)
     fields = [search.tests_of(law, limits, noise_N) for law in dict.fromkeys(system.unknown.laws)]
-    if not any(len(field) for field, _ in fields):
-        said = "; ".join(dict.fromkeys(words for _, words in fields))
-        raise UsageError(f"--limits: no sine test keeps all of {said}; expected wider limits")
+    _refuse_none(fields)
     progress("tests that would narrow it")
     known = [field for field, _ in fields]
     files = {field.law: field.law.file for field in known}
@@ -166,6 +165,35 @@ def plan_tests(
         tuple(search.map_of(field) for field in known if len(field)),
         {field.law.file.name: words for field, words in fields}, noises, gaps(system.unknown.laws),
     )  # fmt: skip
+
+
+def _refuse_beforehand(path: Path, limits: Limits | None, at: str | None, noise_N: float | None) -> None:
+    """Refuse a point that the system hasn't, and limits that no test keeps, before its response is computed."""
+    system, where = read_responding(path), str(path)
+    points = [*(clamp.at for clamp in system.description.clamps), *system.pipe.probe_names]
+    if at is not None and at not in points:
+        raise UsageError(f"--at: {unknown_name(at, points, 'clamp or probe')}")
+    laws = unknown_of(system.description, path.parent).laws
+    fields = []
+    for temperature in system.table.temperatures_C or (None,):
+        clamps = steady_clamps(system.description, system.pipe, path.parent, temperature, where)
+        fields += [_tests_of(law, clamps[laws.index(law)][1], limits, None, noise_N) for law in dict.fromkeys(laws)]
+    _refuse_none(fields)
+
+
+def _tests_of(
+    law: VariedLaw, clamp: SteadyClamp, limits: Limits | None, near: Mapping[str, float] | None, noise_N: float | None
+) -> tuple[LoopTests, str]:
+    """Give the tests of a law's clamp, as of `loop_tests`, and within which limits they are, in words."""
+    within = reach_of(law.file, limits, clamp.temperature - CELSIUS)
+    return loop_tests(law, within, near, clamp.further, noise_N), limits_words(within)
+
+
+def _refuse_none(fields: Sequence[tuple[LoopTests, str]]) -> None:
+    """Refuse limits, in words, within which there is no test of any law."""
+    if not any(len(field) for field, _ in fields):
+        said = "; ".join(dict.fromkeys(words for _, words in fields))
+        raise UsageError(f"--limits: no sine test keeps all of {said}; expected wider limits")
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,8 +256,7 @@ class _NarrowingSearch:
     def tests_of(self, law: VariedLaw, limits: Limits | None, noise_N: float | None) -> tuple[LoopTests, str]:
         """Give the tests of a law's clamp, and within which limits they are, in words."""
         clamp = self._clamps[self._unknown.laws.index(law)]
-        within = reach_of(law.file, limits, clamp.temperature - CELSIUS)
-        return loop_tests(law, within, self._motion(law), clamp.further, noise_N), limits_words(within)
+        return _tests_of(law, clamp, limits, self._motion(law), noise_N)
 
     def one_after_another(self, fields: Sequence[LoopTests]) -> list[NextLoopTest]:
         """Give tests, each the best once those before it were run."""
