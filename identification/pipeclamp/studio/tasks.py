@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, TOLD
 from pipeclamp_identification.workflow.reading import read_tests
-from pipeclamp_identification.workflow.tests import Tests
+from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import spare_cores
@@ -17,6 +17,7 @@ from pipeclamp_models.law.law import Structure
 
 if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
+    from pipeclamp_identification.workflow.climb import Rung
 
 
 def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str) -> dict[str, Any]:
@@ -90,7 +91,7 @@ def _reach(limits: str) -> Limits | None:
     return parse_limits(limits) if limits else None
 
 
-def _write_diagnosis(found: Any, file: LawFile, campaign: str, law: str, ladder: tuple[Any, ...]) -> None:
+def _write_diagnosis(found: Diagnosed, file: LawFile, campaign: str, law: str, ladder: tuple[Rung, ...]) -> None:
     """Write, beside a law, the answer, what the studio shows of it, and the next test's drive signal."""
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp.studio.told import told_of
