@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.so_far import SoFar
 from pipeclamp_models.base.errors import InterruptError
 from pipeclamp_models.base.files import write_whole
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.law.file import LawFile, law_text
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 def climbed(
     file: LawFile, tests: Tests, campaign: Path, output: Path, *, command: str, declared: Sequence[Declaration],
-    limits: Limits | None, jobs: int, tell: Progress,
+    limits: Limits | None, workers: Workers,
 ) -> Settled:  # fmt: skip
     """Climb until no step helps.
 
@@ -33,21 +34,21 @@ def climbed(
         tests: what it is held against.
         campaign: where they are.
         output: the law's file; it holds the best law so far after each rung, and the caller writes it at the end.
-        command, declared, limits, jobs: as for `add_until_settled`.
-        tell: is told what is being done, and how far the ladder has come.
+        command, declared, limits: as for `add_until_settled`.
+        workers: who does it, and who is told, how far the ladder has come too.
 
     Raises:
         InterruptError: the user stopped it. The best law so far is in `output`, where there is one.
     """
     so_far = SoFar(
-        tell,
+        workers.tell,
         keep=lambda law: write_whole(output, law_text(law)),
         say=lambda words: put(words, to=errors()),  # in logs too: it may take minutes
     )
     try:
         return add_until_settled(
-            file, tests, command=command, declared=declared, limits=limits, jobs=jobs, progress=so_far.doing,
-            climbed=so_far.come,
+            file, tests, command=command, declared=declared, limits=limits,
+            workers=replace(workers, tell=so_far.doing), climbed=so_far.come,
         )  # fmt: skip
     except KeyboardInterrupt as stop:
         law = so_far.best

@@ -37,11 +37,11 @@ from pipeclamp.cli.terminal import (
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
+from pipeclamp_models.base.progress import Progress, Workers
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import LawChange
     from pipeclamp_identification.workflow.tests import Tests
-    from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.file import LawFile, NamedKind, Provenance
 
     Change = Callable[[LawFile, Tests, Provenance, Progress], Sequence[LawChange]]
@@ -271,15 +271,15 @@ def diagnose(
         file = opened_law(law)
         _, declarations = read_effects((), declared or ())
         tests = read_and_tell(campaign, strict, tell)
-        reach = parse_limits(limits) if limits else None
+        reach, workers = parse_limits(limits) if limits else None, Workers(jobs, tell)
         if auto:
             settled = climbed(
-                file, tests, campaign, auto, command=command_called(), declared=declarations, limits=reach, jobs=jobs,
-                tell=tell,
+                file, tests, campaign, auto, command=command_called(), declared=declarations, limits=reach,
+                workers=workers,
             )  # fmt: skip
             file, found, ladder, rungs = settled.told(tests.name), settled.found, settled.ladder, settled.words()
         else:
-            found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
+            found = tests.diagnose(file, declared=declarations, limits=reach, workers=workers)
             ladder, rungs = (), []
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
