@@ -30,9 +30,10 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import starting_points
+from pipeclamp_identification.fitting.joint.starts import kept
 from pipeclamp_identification.fitting.refinement import refined_starts
-from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_models.base.progress import Progress, Workers
 from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import Structure, with_effect

@@ -20,7 +20,9 @@ from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import ages, fit_structure
-from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, unfitted
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import linearised
+from pipeclamp_identification.fitting.least_squares import fit, unfitted
 from pipeclamp_identification.fitting.observations import (
     LoopObservations,
     coarser,

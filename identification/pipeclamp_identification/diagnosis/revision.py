@@ -21,7 +21,8 @@ from pipeclamp_identification.diagnosis.problem import (
 )
 from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops

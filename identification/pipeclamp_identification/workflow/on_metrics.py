@@ -14,7 +14,8 @@ from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, Fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.law import (
     MetricComparison,
