@@ -13,7 +13,7 @@ from pipeclamp_identification.campaign.description import ImportedCut, ImportedF
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
+from pipeclamp_identification.importing.channels.columns import Mapped, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in, settings_of
 from pipeclamp_identification.importing.plan import ImportPlan, Overview, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls

@@ -19,11 +19,26 @@ from pipeclamp_identification.campaign.free_motion import free_motion
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_sine
 from pipeclamp_identification.campaign.writing import Format, encoded
-from pipeclamp_identification.importing.columns import Column, Mapped, OpenChannelsError, Stated, refuse_open_questions
+from pipeclamp_identification.importing.channels.columns import (
+    Column,
+    Mapped,
+    OpenChannelsError,
+    Stated,
+    refuse_open_questions,
+)
+from pipeclamp_identification.importing.channels.mapping import Open, mapped_tables, where_of
+from pipeclamp_identification.importing.channels.naming import SEGMENT
+from pipeclamp_identification.importing.channels.questions import MOST_FALLS, NONE
+from pipeclamp_identification.importing.channels.traces import (
+    Trace,
+    first_motion,
+    label_column,
+    moved_words,
+    segment_of,
+    time_of,
+    trace_of,
+)
 from pipeclamp_identification.importing.conditions import Settings, of_properties
-from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
-from pipeclamp_identification.importing.naming import SEGMENT
-from pipeclamp_identification.importing.questions import MOST_FALLS, NONE
 from pipeclamp_identification.importing.raw import Above, RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.samples.blanks import without_blanks
@@ -33,15 +48,6 @@ from pipeclamp_identification.importing.samples.split import SampleRange, irregu
 from pipeclamp_identification.importing.samples.untimed import laid_out
 from pipeclamp_identification.importing.stated import Ask
 from pipeclamp_identification.importing.texts.decoding import file_name
-from pipeclamp_identification.importing.traces import (
-    Trace,
-    first_motion,
-    label_column,
-    moved_words,
-    segment_of,
-    time_of,
-    trace_of,
-)
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.arrays import Array

@@ -6,10 +6,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
-from pipeclamp_identification.importing.columns import listed
+from pipeclamp_identification.importing.channels.columns import listed
+from pipeclamp_identification.importing.channels.mapping import where_of
+from pipeclamp_identification.importing.channels.naming import names_specimen
 from pipeclamp_identification.importing.conditions import Settings, name_in, of_properties, settings_of
-from pipeclamp_identification.importing.mapping import where_of
-from pipeclamp_identification.importing.naming import names_specimen
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, stem_of
 from pipeclamp_identification.importing.results.recognised import frequency_of_results
