@@ -9,36 +9,25 @@ from pathlib import Path
 
 from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, LeftOutFile
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.all_runs import (
+from pipeclamp_identification.importing.channels.columns import Mapped, listed, unused_words
+from pipeclamp_identification.importing.conditions import guessed_pattern
+from pipeclamp_identification.importing.left_out import left_out_files
+from pipeclamp_identification.importing.plan import ImportPlan, Overview
+from pipeclamp_identification.importing.raw import without_controls
+from pipeclamp_identification.importing.reading import Contents, stem_of
+from pipeclamp_identification.importing.records.all_runs import (
     conditions_words,
     contradicted,
     refuse_none,
     refuse_reversed,
     without_doubtful_temperatures,
 )
-from pipeclamp_identification.importing.channels.columns import Mapped, listed, unused_words
-from pipeclamp_identification.importing.conditions import guessed_pattern
-from pipeclamp_identification.importing.named_run import Called, NamedRun, name_part, named_run
-from pipeclamp_identification.importing.plan import ImportPlan, Overview
-from pipeclamp_identification.importing.raw import without_controls
-from pipeclamp_identification.importing.reading import Contents, digest_of, stem_of
-from pipeclamp_identification.importing.stated import LeaveOut, Options
-from pipeclamp_identification.importing.taking import (
-    KnownFile,
-    TakenFile,
-    TakenTable,
-    Way,
-    is_timed,
-    taken_files,
-)
+from pipeclamp_identification.importing.records.drafts import KnownFile, TakenFile, TakenTable, is_timed
+from pipeclamp_identification.importing.records.named_run import Called, NamedRun, name_part, named_run
+from pipeclamp_identification.importing.records.taking import Way, taken_files
+from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
-from pipeclamp_identification.importing.unusable import (
-    UnusableFileError,
-    UnusableFiles,
-    are_no_strays,
-    foremost,
-    listed_why,
-)
+from pipeclamp_identification.importing.unusable import UnusableFileError, are_no_strays, foremost, listed_why
 from pipeclamp_models.base.progress import Progress, silent
 
 MOST_ASIDE = 4
@@ -90,41 +79,6 @@ def plan_import(
         planner.note(words)
     again = tuple(contents.again)
     return planner.plan(again, left_out_files(unusable, len(paths), left_out, options.leave_out))
-
-
-def left_out_files(
-    unusable: Mapping[Path, UnusableFileError], files: int, before: Sequence[LeftOutFile], leave_out: LeaveOut
-) -> tuple[LeftOutFile, ...]:
-    """Give the files that are left out, where they may be.
-
-    Args:
-        unusable: the error of each.
-        files: of the import in all.
-        before: that were left out by an earlier import.
-        leave_out: says whether.
-
-    Raises:
-        UserError: they mustn't be, or there is no other.
-    """
-    found = {path: _of_unusable(path, error) for path, error in unusable.items()}
-    anew = {path: unusable[path] for path, one in found.items() if not _is_among(one, before)}
-    new = UnusableFiles(anew, files)
-    if anew and not (new.others and leave_out(new)):
-        raise new.refusal()
-    return tuple(found.values())
-
-
-def _of_unusable(path: Path, error: UnusableFileError) -> LeftOutFile:
-    try:
-        digest = digest_of(path)
-    except UnusableFileError:
-        digest = None
-    return LeftOutFile(file=file_name(path), sha256=digest, why=error.why)
-
-
-def _is_among(file: LeftOutFile, before: Sequence[LeftOutFile]) -> bool:
-    """Tell whether a file, with this content, was left out before."""
-    return file.sha256 is not None and (file.file, file.sha256) in {(one.file, one.sha256) for one in before}
 
 
 def _stem_of(path: Path, table: TakenTable, several: bool) -> str:

@@ -15,8 +15,8 @@ from pipeclamp_identification.importing.channels.columns import Mapped
 from pipeclamp_identification.importing.conditions import Settings, name_in, settings_of
 from pipeclamp_identification.importing.plan import PlannedRun
 from pipeclamp_identification.importing.raw import Above
+from pipeclamp_identification.importing.records.drafts import Draft, TakenTable, is_timed
 from pipeclamp_identification.importing.stated import Options
-from pipeclamp_identification.importing.taking import Draft, TakenTable, is_timed
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.units.stated import conversion, is_unit

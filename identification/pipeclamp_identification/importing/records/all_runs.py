@@ -9,7 +9,7 @@ from pipeclamp_identification.campaign.description import ImportedCut
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART
 from pipeclamp_identification.importing.channels.columns import listed
 from pipeclamp_identification.importing.conditions import Pattern
-from pipeclamp_identification.importing.named_run import NamedRun
+from pipeclamp_identification.importing.records.named_run import NamedRun
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.said import counted
 
