@@ -10,15 +10,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.candidates import larger_as_asked
 from pipeclamp_identification.diagnosis.foretold import gains, share_of_error, takes_part
 from pipeclamp_identification.diagnosis.open_means import with_means_counted
-from pipeclamp_identification.diagnosis.problem import (
-    Judged,
-    Prepared,
-    Problem,
-    judge,
-    prepare,
-    roughly,
-    weighed_again,
-)
+from pipeclamp_identification.diagnosis.problem import Judged, Prepared, Problem, judge, prepare, roughly, weighed_again
 from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.joint.fitted import Fit

@@ -12,12 +12,7 @@ from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, R
 from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
-from pipeclamp_identification.discovery.guards import (
-    beyond_chance,
-    beyond_the_tests,
-    surely_better,
-    surely_worse,
-)
+from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, surely_better, surely_worse
 from pipeclamp_identification.discovery.hearing import (
     Hearing,
     RefittedTerm,

@@ -21,11 +21,7 @@ from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remember
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.not_fitted import not_fitted
 from pipeclamp_identification.fitting.joint.points import linearised, sized_start, starts_by_effect
-from pipeclamp_identification.fitting.joint.starts import (
-    SINGULAR_SHARE,
-    kept,
-    most_promising,
-)
+from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE, kept, most_promising
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError

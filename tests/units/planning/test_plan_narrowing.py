@@ -12,8 +12,10 @@ from banded import SPREAD, banded
 from pipeclamp.show.narrowing import beyond_words
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
+from pipeclamp_identification.planning.band_plan import Map
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
-from pipeclamp_identification.planning.narrowing import WORTH_SHARE, Map, plan_tests
+from pipeclamp_identification.planning.narrowing import plan_tests
+from pipeclamp_identification.planning.narrowing_search import WORTH_SHARE
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
