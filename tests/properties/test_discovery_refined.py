@@ -5,8 +5,9 @@ import pytest
 from test_discovery_grammar import ROUNDING, SIZES, TERMS, function, motion
 
 from pipeclamp_identification.discovery.freeing import refinements
-from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, STRENGTH, terms
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, terms
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
+from pipeclamp_identification.discovery.shapes import STRENGTH
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.realise.sizes import number_of
 

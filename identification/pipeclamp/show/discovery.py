@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.discovery.grammar import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
+from pipeclamp_identification.discovery.shapes import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
 from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_models.base.units import unit_shown
 

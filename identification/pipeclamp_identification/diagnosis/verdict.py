@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
-from pipeclamp_identification.diagnosis.beyond_harmonics import beyond_harmonics
 from pipeclamp_identification.diagnosis.candidates import (
     as_it_is,
     candidates,
@@ -17,6 +16,7 @@ from pipeclamp_identification.diagnosis.candidates import (
     likeliest,
     ranked,
 )
+from pipeclamp_identification.diagnosis.elsewhere import elsewhere
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
 from pipeclamp_identification.diagnosis.open_means import with_means_counted
@@ -40,7 +40,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_NOISE_SHARE,
 )
 from pipeclamp_identification.diagnosis.weighing.causes import unless_at_one_condition
-from pipeclamp_identification.diagnosis.weighing.scales import Weighed, nothing_named
+from pipeclamp_identification.diagnosis.weighing.scales import Weighed
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_identification.fitting.identify import fit_structure
@@ -186,10 +186,11 @@ def diagnose(
         return diagnosis
     if diagnosis.leftover.not_periodic:
         return replace(diagnosis, found=replace(found, verdict="unknown"))
-    beyond = beyond_harmonics(law.result.law, campaign, loops)
-    if beyond.sure_share > FORM_NOISE_SHARE:
-        return replace(diagnosis, found=nothing_named("unknown", beyond.words()))
-    return diagnosis
+    workers.tell("levels left out")
+    contradiction = elsewhere(law, problem, tolerance, campaign, loops).contradiction
+    if not contradiction:
+        return diagnosis
+    return replace(diagnosis, found=replace(found, verdict="unknown", reasons=(contradiction, *found.reasons[1:])))
 
 
 def _by_the_best_ones_residuals(

@@ -11,7 +11,8 @@ import numpy as np
 import sympy as sp
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.discovery.grammar import RATE, STRENGTH, Term, linear_symbol
+from pipeclamp_identification.discovery.grammar import Term, linear_symbol
+from pipeclamp_identification.discovery.shapes import RATE, STRENGTH
 from pipeclamp_identification.fitting.joint.points import linearised
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError

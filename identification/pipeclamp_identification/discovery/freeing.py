@@ -12,19 +12,15 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from pipeclamp_identification.discovery.grammar import (
-    LENGTH,
     MOST_PARAMETERS,
-    RATE,
     SCALED,
-    SPEED,
-    STRENGTH,
-    Entry,
     Scale,
     Term,
     id_of,
     linear_symbol,
     scales_of,
 )
+from pipeclamp_identification.discovery.shapes import LENGTH, RATE, SPEED, STRENGTH, Entry
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 
 EXPONENT, WIDTH, MOVED = ("e_x", "j_x"), ("d_x", "b_x"), ("n_x", "i_x", "o_x")

@@ -15,28 +15,23 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
+from pipeclamp_identification.discovery.shapes import (
+    RATE,
+    STRENGTH,
+    Entry,
+    Family,
+    Shape,
+    dampers,
+    elements,
+    moved_by_temperature,
+    scaling,
+    springs,
+)
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declared import effect_of
 
-Family = Literal["spring", "damper", "element", "factor"]
-Entry = Mapping[str, object]
-
-STRENGTH, RATE = "F_x", "s_x"
-"""Symbols of the force that a term adds, N, and of the exponent of a factor."""
-SIGN_Y, SIGN_V = "(y / sqrt(y**2 + y_r**2))", "(v / sqrt(v**2 + v_r**2))"
-SIZE_Y, SIZE_V = "sqrt(y**2 + y_r**2)", "sqrt(v**2 + v_r**2)"
-LENGTH = {"symbol": "y_x", "unit": "mm", "lower": "0.01 * A_typical", "upper": "3 * A_highest"}
-SPEED = {
-    "symbol": "v_x",
-    "unit": "mm/s",
-    "lower": "0.01 * A_typical * f_typical",
-    "upper": "100 * A_highest * f_highest",
-}
-NARROWEST_CLEARANCE = 0.03
-"""Share of a clearance that is never closed: a pole is cut off there, beyond the tests' range."""
 MOST_PARAMETERS = 4
 MOST_TERM_STARTS = 8
 LONGEST_ID = 40
@@ -72,23 +67,6 @@ class Term:
         return effect_of(self.declaration)
 
 
-@dataclass(frozen=True)
-class _Shape:
-    """A force without its strength: an expression, its parameters, words, and the state that it needs.
-
-    `plain` is the name of the same one that acts everywhere; empty where this one does.
-    """
-
-    name: str
-    expression: str
-    acts_like: str
-    parameters: tuple[Entry, ...] = ()
-    state: Entry | None = None
-    energy: str = ""
-    signed: bool = False
-    plain: str = ""
-
-
 def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Term]:
     """Give every term.
 
@@ -98,20 +76,23 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
     """
     scales = [None, *(one for name, one in SCALED.items() if name in varied)]
     scales += [scale for name, size in conditions.items() for scale in scales_of(name, size)]
-    shapes: list[tuple[Family, _Shape]] = [
-        *(("spring", shape) for shape in _springs()),
-        *(("damper", shape) for shape in _dampers()),
-        *(("element", shape) for shape in _elements()),
+    shapes: list[tuple[Family, Shape]] = [
+        *(("spring", shape) for shape in springs()),
+        *(("damper", shape) for shape in dampers()),
+        *(("element", shape) for shape in elements()),
     ]
     for (family, shape), scale in itertools.product(shapes, scales):
         if 1 + len(shape.parameters) + (scale is not None) <= MOST_PARAMETERS:
             yield _force_term(family, shape, scale)
     if "T" in varied:
-        for family, shape in _moved_by_temperature():
+        for family, shape in moved_by_temperature():
             yield _force_term(family, shape, None)
     signals = [*(name for name in FOLLOWED_CONDITIONS if name in varied), *conditions]
     for role, signal in itertools.product(ROLES, signals):
         yield from _factors(role, signal, conditions)
+    if {"f", "T"} <= set(varied):
+        for role in ROLES:
+            yield from _factors_shifted_by_temperature(role)
 
 
 @dataclass(frozen=True)
@@ -152,223 +133,10 @@ ABOVE_ZERO = 0.001
 """Share of a further column's largest value that is added to it, for it may be zero."""
 
 
-def _length(meaning: str, *shares: float, of: str = "A_highest") -> Entry:
-    return {**LENGTH, "meaning": meaning, "start": tuple(f"{share} * {of}" for share in shares)}
-
-
-def _exponent(meaning: str, *starts: float, lower: float = 0.0, upper: float = 9.0) -> Entry:
-    return {"symbol": "p_x", "unit": "-", "meaning": meaning, "start": starts, "lower": lower, "upper": upper}
-
-
-def _limit() -> Entry:
-    starts = tuple(f"{share} * A_highest" for share in (1.2, 1.6, 3.0))
-    meaning = "displacement at which it would grow without bound"
-    return {**LENGTH, "meaning": meaning, "start": starts, "lower": "1.05 * A_highest", "upper": "10 * A_highest"}
-
-
-def _springs() -> Iterator[_Shape]:
-    power = _exponent("exponent of the displacement", 0.5, 2.0, 5.0, 7.0, lower=0.1)
-    yield _Shape(
-        "power_spring", f"{SIGN_Y} * ({SIZE_Y} / A_0)**p_x",
-        "a spring whose force grows with a power of the displacement", (power,), signed=True,
-    )  # fmt: skip
-    yield _Shape(
-        "one_way_power", f"({SIZE_Y} / A_0)**p_x", "a force to one side that grows with a power of the displacement",
-        (_exponent("exponent of the displacement", 1.0, 2.0, 4.0, lower=0.1),), signed=True,
-    )  # fmt: skip
-    kink = _length("displacement from which it acts", 0.15, 0.4, 0.7)
-    for order, grows in ((1, "linearly"), (2, "with the square"), (3, "with the cube")):
-        for name, gone, where in (
-            ("both", f"max({SIZE_Y} - y_x, 0)", "beyond a displacement on both sides"),
-            ("positive", "max(y - y_x, 0)", "beyond a displacement on the positive side"),
-            ("negative", "max(-y - y_x, 0)", "beyond a displacement on the negative side"),
-        ):
-            sign = {"both": SIGN_Y, "positive": "1", "negative": "-1"}[name]
-            yield _Shape(
-                f"stop_{name}_{order}", f"{sign} * ({gone} / A_0)**{order}",
-                f"a spring that begins {where} and grows {grows}", (kink,),
-            )  # fmt: skip
-    reach = _length("displacement by which it changes", 0.1, 0.3, 1.0)
-    yield _Shape("saturating_spring", "tanh(y / y_x)", "a spring whose force levels off", (reach,), signed=True)
-    yield _Shape(
-        "softening_spring", f"y / ({SIZE_Y} + y_x)", "a spring that softens slowly, its force levelling off in the end",
-        (reach,), signed=True,
-    )  # fmt: skip
-    yield _Shape(
-        "local_spring", "(y / y_x) * exp(-(y / y_x)**2)", "a spring about the middle only", (reach,), signed=True
-    )
-    yield _Shape(
-        "growing_spring", "(exp(y / y_x) - exp(-y / y_x)) / 2", "a spring whose force grows exponentially",
-        (_length("displacement by which it grows e times", 0.15, 0.3, 1.0),), signed=True,
-    )  # fmt: skip
-    yield _Shape(
-        "periodic_spring", "sin(y / y_x)", "a spring with a valley after each stretch of the way, as detents have",
-        (_length("stretch from valley to valley over 2 pi", *PERIOD_STARTS),), signed=True,
-    )  # fmt: skip
-    growth = _length("displacement by which it grows e times", 0.3, 1.0)
-    for side, way in (("positive", "y"), ("negative", "-y")):
-        yield _Shape(
-            f"growing_{side}", f"exp({way} / y_x) - 1",
-            f"a force that grows exponentially to the {side} side and levels off to the other", (growth,), signed=True,
-        )  # fmt: skip
-    for side, closed in CLOSING.items():
-        force = f"y / (y_x * {closed})" if side == "both" else f"1 / {closed} - 1"
-        yield _Shape(
-            f"closing_spring_{side}", force,
-            f"a spring whose force grows without bound towards a displacement on {SIDES[side]}", (_limit(),),
-            signed=True,
-        )  # fmt: skip
-
-
-CLOSING = {
-    "positive": f"max(1 - y / y_x, {NARROWEST_CLEARANCE})",
-    "negative": f"max(1 + y / y_x, {NARROWEST_CLEARANCE})",
-    "both": f"max(1 - (y / y_x)**2, {NARROWEST_CLEARANCE})",
-}
-"""Share of a clearance that is left, by the side on which it closes."""
-SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
-
-
-PERIOD_STARTS = (0.03, 0.045, 0.07, 0.1, 0.15, 0.22, 0.33, 0.5)
-"""Over the largest amplitude: a period is found only from a start that is near it."""
-
-
-WHERE_IT_ACTS = (
-    ("", "1", "", ()),
-    ("_off_middle", f"({SIZE_Y} / A_0)**r_x", ", growing with a power of the displacement",
-     ({"symbol": "r_x", "unit": "-", "meaning": "exponent of the displacement", "start": (1.0, 2.0, 4.0), "lower": 0.1,
-       "upper": 8.0},)),
-    ("_in_middle", "exp(-(y / y_x)**2)", ", about the middle only",
-     (_length("displacement by which it fades", 0.2, 0.6),)),
-    ("_beyond", f"(max({SIZE_Y} - y_x, 0) / A_0)**1", ", beyond a displacement on both sides",
-     (_length("displacement from which it acts", 0.2, 0.5),)),
-    ("_positive_side", "(max(y - y_x, 0) / A_0)**1", ", beyond a displacement on the positive side",
-     (_length("displacement from which it acts", 0.05, 0.5),)),
-    ("_negative_side", "(max(-y - y_x, 0) / A_0)**1", ", beyond a displacement on the negative side",
-     (_length("displacement from which it acts", 0.05, 0.5),)),
-    ("_rising", "(1 + y / y_x)**2", ", rising smoothly to the positive side",
-     (_length("displacement by which it rises fourfold", 0.8, 2.0),)),
-    ("_falling", "(1 - y / y_x)**2", ", rising smoothly to the negative side",
-     (_length("displacement by which it rises fourfold", 0.8, 2.0),)),
-    ("_outside", "(y / y_x)**2 / (1 + (y / y_x)**2)", ", pinched about the middle and level farther out",
-     (_length("displacement at which half of it acts", 0.1, 0.4),)),
-    *((f"_closing_{side}", f"1 / {closed}**2", f", growing without bound towards a displacement on {SIDES[side]}",
-       (_limit(),)) for side, closed in CLOSING.items()),
-)  # fmt: skip
-"""Where a damper or a slip force acts: name, factor >= 0 of y, words, parameters."""
-
-
-def _dampers() -> Iterator[_Shape]:
-    speed = "velocity by which it changes"
-    rates = (
-        ("dry_damping", SIGN_V, "dry friction without elasticity", ()),
-        ("viscous_damping", "v / v_0", "damping in proportion to the velocity", ()),
-        ("square_damping", f"v * {SIZE_V} / v_0**2", "damping by the square of the velocity", ()),
-        ("damping", f"{SIGN_V} * ({SIZE_V} / v_0)**p_x", "damping by a power of the velocity",
-         (_exponent("exponent of the velocity", 0.2, 1.0, 2.0, 3.0, upper=5.0),)),
-        ("saturating_damping", "tanh(v / v_x)", "damping that levels off with velocity", (_velocity(speed, 0.3, 2.0),)),
-        ("thinning_damping", f"v / ({SIZE_V} + v_x)", "damping that thins with velocity, levelling off in the end",
-         (_velocity(speed, 0.3, 2.0),)),
-        ("bent_damping", "v / v_0 * (1 + (v / v_x)**2)**(-p_x / 2)",
-         "damping that bends beyond a velocity, where it thins, levels off or falls",
-         (_velocity(speed, 0.5, 3.0), _exponent("exponent that is lost beyond it", 0.6, 2.0, upper=3.0))),
-        ("relief_damping", f"{SIGN_V} * (max({SIZE_V} - v_x, 0) / v_0)**1", "damping that begins beyond a velocity",
-         (_velocity("velocity from which it acts", 1.0, 4.0),)),
-        ("forward_damping", "(max(v, 0) / v_0)**1", "damping while the displacement rises only", ()),
-        ("backward_damping", "-(max(-v, 0) / v_0)**1", "damping while the displacement falls only", ()),
-        ("forward_square", "(max(v, 0) / v_0)**2", "square damping while the displacement rises only", ()),
-        ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
-    )  # fmt: skip
-    for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, WHERE_IT_ACTS):
-        yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further),
-                     plain=name if place else "")  # fmt: skip
-
-
-def _velocity(meaning: str, *shares: float) -> Entry:
-    return {**SPEED, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
-
-
-TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
-        "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
-LEAST_LIMIT = 0.001
-"""Where nothing holds, an element yields within this share of its way."""
-
-
-def _elements() -> Iterator[_Shape]:
-    way: Entry = {"symbol": "w_x", "unit": "mm", "meaning": "way by which it is strained", "lower": "0.001 * A_typical",
-           "upper": "3 * A_highest", "start": ("0.1 * A_typical", "0.5 * A_typical")}  # fmt: skip
-    trial = "z_x + (y - y_previous) / w_x"
-
-    def state(update: str) -> Entry:
-        return {"symbol": "z_x", "unit": "-", "meaning": "strain of the element", "update": update}
-
-    stored = f"{STRENGTH} * w_x * z_x**2 / 2"
-    for place, factor, where, further in WHERE_IT_ACTS:
-        limit = factor.replace("y_x", "q_x")
-        own = tuple({**one, "symbol": "q_x"} if one["symbol"] == "y_x" else one for one in further)
-        yield _Shape(
-            f"slip{place}", "z_x", f"dry friction{where or ' of one strength'}", (way, *own),
-            state(f"min(max({trial}, -({limit})), {limit})"), stored, plain="slip" if place else "",
-        )  # fmt: skip
-        way_on, whole = "sign(y - y_previous)", f"({limit})"
-        left = f"exp(-abs(y - y_previous) / (w_x * max({whole}, {LEAST_LIMIT})))"
-        yield _Shape(
-            f"smooth_slip{place}", "z_x", f"dry friction that yields smoothly{where}", (way, *own),
-            state(f"{way_on} * {whole} + (z_x - {way_on} * {whole}) * {left}"), stored,
-            plain="smooth_slip" if place else "",
-        )  # fmt: skip
-    for power, words in ((0.5, "softens"), (2, "stiffens"), (3, "stiffens much")):
-        yield _Shape(
-            f"bent_slip_{str(power).replace('.', 'p')}", f"z_x * sqrt(z_x**2 + 1e-6)**{power - 1}",
-            f"dry friction through a spring that {words}", (way,), state(f"min(max({trial}, -1), 1)"),
-        )  # fmt: skip
-    play: Entry = {"symbol": "g_x", "unit": "-", "meaning": "share of the way that is play", "start": (0.3, 0.7),
-            "lower": 0.0, "upper": 0.95}  # fmt: skip
-    yield _Shape(
-        "slip_after_play", "(max(z_x - g_x, 0) - max(-z_x - g_x, 0)) / (1 - g_x)",
-        "dry friction through a spring with play", (way, play), state(f"min(max({trial}, -1), 1)"),
-    )  # fmt: skip
-    for power in (1, 2):
-        yield _Shape(
-            f"relaxing_{power}", "z_x",
-            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (way, TIME),
-            state(f"({trial}) / (1 + h / t_x * abs({trial})**{power})"), stored,
-        )  # fmt: skip
-
-
-def _moved_by_temperature() -> Iterator[tuple[Family, _Shape]]:
-    """Give springs that begin at a place, and elements that relax in a time, which temperature moves."""
-    warmer = "(T - T_0) / 100"
-    moves: Entry = {**LENGTH, "symbol": "m_x", "meaning": "by which it is nearer for each 100 K", "neutral": 0.0,
-             "lower": "-A_highest", "upper": "A_highest", "start": ("0.1 * A_highest", "-0.1 * A_highest")}  # fmt: skip
-    kink = _length("displacement from which it acts at 20 °C", 0.3, 0.6, 0.9)
-    place = f"y_x - m_x * {warmer}"
-    for order, grows in ((1, "linearly"), (2, "with the square")):
-        for name, sign, gone, where in (
-            ("both", SIGN_Y, f"{SIZE_Y} - max({place}, 0)", "both sides"),
-            ("positive", "1", f"y - ({place})", SIDES["positive"]),
-            ("negative", "-1", f"-y - ({place})", SIDES["negative"]),
-        ):
-            yield "spring", _Shape(
-                f"moved_stop_{name}_{order}", f"{sign} * (max({gone}, 0) / A_0)**{order}",
-                f"a spring that begins beyond a displacement on {where}, which temperature moves, and grows {grows}",
-                (kink, moves),
-            )  # fmt: skip
-    trial = "z_x + (y - y_previous) / A_0"
-    yield "element", _Shape(
-        "warm_relaxing", "z_x", "a spring whose force creeps away in a time that temperature changes",
-        ({**TIME, "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))},
-         _scaling("by how much the time's logarithm falls for each 100 K", 0.5, -0.5)),
-        {"symbol": "z_x", "unit": "-", "meaning": "strain of the element",
-         "update": f"({trial}) / (1 + h / t_x * exp(s_x * {warmer}))"},
-        f"{STRENGTH} * A_0 * z_x**2 / 2",
-    )  # fmt: skip
-
-
-def _force_term(family: Family, shape: _Shape, scale: Scale | None) -> Term:
+def _force_term(family: Family, shape: Shape, scale: Scale | None) -> Term:
     """Give a term that adds a force, alone or scaled by what follows A, f, T or a further column."""
     words = f", scaled with {scale.words}" if scale else ""
-    further = (_scaling(f"by how much it follows {scale.words}", -0.5, 0.5),) if scale else ()
+    further = (scaling(f"by how much it follows {scale.words}", -0.5, 0.5),) if scale else ()
     strength: Entry = {"symbol": STRENGTH, "unit": "N", "meaning": "force of the term", "start": "0.05 * F_typical"}
     if not shape.signed:
         strength = {**strength, "lower": 0.0}
@@ -432,14 +200,37 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     for form, exponent, words, parameters in forms:
         term = _factor(
             role, f"{role}_{form}_{plain}", f"exp({RATE} * ({exponent}))", f"{words} the {name}",
-            (_scaling("how much the logarithm changes", 0.1), *parameters), condition,
+            (scaling("how much the logarithm changes", 0.1), *parameters), condition,
         )  # fmt: skip
         yield replace(term, grown=(id_of(linear),)) if form == "beyond" else term
     each = {"A": "mm", "f": "Hz", "T": "100 K", "N": "1000 cycles"}.get(signal, f"{size} of {name}")
-    growth = {**_scaling(f"growth, as a share, for each {each}", 0.1), "lower": 0.0}
+    growth = {**scaling(f"growth, as a share, for each {each}", 0.1), "lower": 0.0}
     words = f"grows linearly beyond a level of the {name}"
     term = _factor(role, linear, f"1 + {RATE} * {past}", words, (growth, level), condition)
     yield replace(term, grown=(id_of(beyond),))
+
+
+def _factors_shifted_by_temperature(role: str) -> Iterator[Term]:
+    """Give factors > 0 on a coefficient that change about a frequency which temperature moves, as relaxations have it.
+
+    A power of f needs none: its shift is an exponential of T.
+    """
+    _, low, high, *_ = FOLLOWED_CONDITIONS["f"]
+    level: Entry = {"symbol": "l_x", "unit": "Hz", "meaning": "frequency at which it changes at 20 °C",
+             "start": (low, high), "lower": "0.001 * f_lowest", "upper": "1000 * f_highest"}  # fmt: skip
+    shift: Entry = {"symbol": "m_x", "unit": "-", "meaning": "growth of that frequency's logarithm for each 100 K",
+             "neutral": 0.0, "start": (1.5, 4.0, -1.5), "lower": -10.0, "upper": 10.0}  # fmt: skip
+    share = "(f / (l_x * exp(m_x * (T - T_0) / 100)))"
+    forms = (
+        ("peak", f"2 * {share} / (1 + {share}**2)", "has a peak, or a trough, at a frequency"),
+        ("levelling", f"{share} / (1 + {share})", "changes from one level to another about a frequency"),
+        ("growing", f"log(1 + {share})", "changes with a power of the frequency beyond one"),
+    )
+    for form, exponent, words in forms:
+        yield _factor(
+            role, f"{role}_{form}_f_shifted_by_T", f"exp({RATE} * ({exponent}))", f"{words} that temperature moves",
+            (scaling("how much the logarithm changes", 0.1), level, shift), "",
+        )  # fmt: skip
 
 
 def _factor(role: str, name: str, factor: str, words: str, parameters: tuple[Entry, ...], condition: str) -> Term:
@@ -448,18 +239,6 @@ def _factor(role: str, name: str, factor: str, words: str, parameters: tuple[Ent
         "factor", name, f"{ROLES[role]} that {words}", parameters=parameters,
         scales=({"coefficient": role, "factor": factor},), conditions=(condition,) if condition else (),
     )  # fmt: skip
-
-
-def _scaling(meaning: str, *starts: float) -> Entry:
-    return {
-        "symbol": RATE,
-        "unit": "-",
-        "meaning": meaning,
-        "start": starts,
-        "lower": -5.0,
-        "upper": 5.0,
-        "neutral": 0.0,
-    }
 
 
 def _named(column: str) -> str:

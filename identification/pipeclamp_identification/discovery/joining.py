@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, STRENGTH, Entry, Term, id_of
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, id_of
+from pipeclamp_identification.discovery.shapes import STRENGTH, Entry
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 
 SHARE = "c_x"

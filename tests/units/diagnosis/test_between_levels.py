@@ -10,11 +10,11 @@ from few_effects import few_effects
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis import elsewhere
 from pipeclamp_identification.diagnosis.foretold import takes_part
 from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.verdict import diagnose
-from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
 from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, rests_on, worst_level
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.loops import loops_of
@@ -135,7 +135,7 @@ def test_levels_at_the_ends_are_not_between(tested):
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.6, "complete"), (0.9, "unknown")])
 def test_what_passes_for_form_may_be_wrong_between_levels_too(share, verdict, tested, monkeypatch):
-    monkeypatch.setattr(verdicts, "worst_level", lambda law, problem: LeftOutLevel("A", "0.6 mm", 3 * share, share))
+    monkeypatch.setattr(elsewhere, "worst_level", lambda law, problem: LeftOutLevel("A", "0.6 mm", 3 * share, share))
     found = diagnose(Structure("power"), tested((), {}))
     assert found.verdict == verdict
     assert ("A = 0.6 mm" in found.reasons[0]) == (verdict == "unknown")

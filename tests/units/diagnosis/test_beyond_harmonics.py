@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.diagnosis import verdict
+from pipeclamp_identification.diagnosis import elsewhere, verdict
 from pipeclamp_identification.diagnosis.beyond_harmonics import BeyondHarmonics, beyond_harmonics
+from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.weighing.scales import nothing_named
 from pipeclamp_identification.loops.loops import loops_of
@@ -69,7 +70,8 @@ def test_the_smoothing_of_dry_friction_is_no_physics(tests, v_r, told):
 @pytest.mark.parametrize(("share", "ends"), [(0.7, "complete"), (0.8, "unknown")])
 def test_a_law_that_errs_beyond_the_harmonics_is_not_complete(tests, monkeypatch, share, ends):
     beyond = BeyondHarmonics(2.0, 1.0, share, ("near the reversals",))
-    monkeypatch.setattr(verdict, "beyond_harmonics", lambda law, campaign, loops: beyond)
+    monkeypatch.setattr(elsewhere, "beyond_harmonics", lambda law, campaign, loops: beyond)
+    monkeypatch.setattr(elsewhere, "foretold", lambda law, problem: ErrorBeyondScatter(0.0, 0.0, 0.0))
     monkeypatch.setattr(verdict, "weigh", lambda *given: nothing_named("complete", "what is left is scatter"))
     found = verdict.diagnose(Structure("power"), *tests(0.2 * SLOWEST))
     assert found.verdict == ends

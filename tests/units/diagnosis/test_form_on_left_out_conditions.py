@@ -11,19 +11,12 @@ from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.diagnosis.problem import Problem
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
-from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_models.base.progress import ALONE
 
 RUNS, CHANNELS, NOISE, SCATTER = 16, 7, 0.3, 0.02
 GROUPS = np.repeat(np.arange(8), 2)
-
-
-@pytest.fixture(autouse=True)
-def nothing_between_levels(monkeypatch):
-    """The problem below has no conditions."""
-    monkeypatch.setattr(verdicts, "worst_level", lambda law, problem: None)
 
 
 def test_an_error_on_each_group_is_told_in_newtons_and_in_noise():

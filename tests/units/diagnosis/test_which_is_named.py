@@ -384,7 +384,6 @@ def test_no_law_is_complete_of_which_a_part_leaves_mean_forces_open(proved, off,
     law.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     stand_in(monkeypatch, "means_left_open", lambda law, problem: OpenMeans(5, 6, 2.0 * off, off))
     stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
-    stand_in(monkeypatch, "worst_level", lambda law, problem: None)
     problem = SimpleNamespace(noise=SimpleNamespace(is_no_rigs=False))
     found = weigh(law.result.law.structure, problem, law, [], replace(TOLERANCE, proved=proved), Workers(1, print))
     assert found.verdict == verdict
@@ -397,7 +396,6 @@ def test_what_scatter_may_have_made_is_not_complete_where_it_is_more_than_form(s
     law = candidate("slip_lock", 1.0, 10.0)
     law.lack = SimpleNamespace(p_value=0.04, share=1.25, sure_share=sure, rms=1.4)
     stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
-    stand_in(monkeypatch, "worst_level", lambda law, problem: None)
     scatter = SimpleNamespace(
         is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017)
     )

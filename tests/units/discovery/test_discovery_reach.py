@@ -8,7 +8,8 @@ import sympy as sp
 from scipy.optimize import minimize
 
 from pipeclamp_identification.discovery import discover
-from pipeclamp_identification.discovery.grammar import RATE, STRENGTH, terms
+from pipeclamp_identification.discovery.grammar import terms
+from pipeclamp_identification.discovery.shapes import RATE, STRENGTH
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.realise.array_source import ArrayPrinter
@@ -126,6 +127,21 @@ def test_a_factor_may_have_a_peak():
     values = slope(**REFERENCES, f=f, l_x=3.0)
     assert misses(wanted, values) < CLOSELY
     assert 0 < np.argmax(values) < len(f) - 1
+
+
+def test_heat_may_move_the_frequency_of_a_peak():
+    """As a relaxation's times fall with the temperature (Arrhenius, 60 kJ/mol); a peak that stays is another."""
+    f, T = (axis.ravel() for axis in np.meshgrid(np.geomspace(0.5, 20.0, 9), np.linspace(283.0, 343.0, 5)))
+    share = f / 3 * np.exp(7200.0 * (1 / T - 1 / 310.0))
+    wanted = 2 * share / (1 + share**2)
+    by_id = {term.declaration.id: term for term in terms(("f", "T"), {})}
+    for name, others, near in (
+        ("found_damping_peak_f_shifted_by_t", {"l_x": 2.0, "m_x": 5.0}, True),
+        ("found_damping_peak_f", {"l_x": 3.0}, False),
+    ):
+        (factor,) = by_id[name].effect.scales.values()
+        slope = sp.diff(sp.log(factor), sp.Symbol(RATE, real=True))
+        assert (bent(slope, others, wanted, f=f, T=T) < 2 * CLOSELY) == near
 
 
 def test_each_term_is_known_by_what_is_left_without_its_scaling_and_its_place():

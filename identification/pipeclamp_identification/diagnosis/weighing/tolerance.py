@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter, explained_share
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     FORM_NOISE_SHARE,
@@ -34,6 +34,10 @@ class Tolerance:
     form: float
     left: float
     proved: bool = True
+
+    def counted(self, error: ErrorBeyondScatter) -> float:
+        """Give what of a law's error on left-out conditions counts against it, as a share of the force noise."""
+        return error.sure_share if self.proved else error.share
 
 
 def is_adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:

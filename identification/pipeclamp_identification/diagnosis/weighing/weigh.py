@@ -12,7 +12,6 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, NEAR_NOISE_SHARE, RIVAL_LIKELIHOOD
-from pipeclamp_identification.diagnosis.weighing.between_levels import worst_level
 from pipeclamp_identification.diagnosis.weighing.causes import (
     cause_of_two,
     if_it_is_itself,
@@ -23,7 +22,6 @@ from pipeclamp_identification.diagnosis.weighing.causes import (
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
 from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, outdoes, part_of_two
 from pipeclamp_identification.diagnosis.weighing.reasons import (
-    between_words,
     chance_words,
     few_runs_words,
     foretold_words,
@@ -143,7 +141,7 @@ def _form_at_most(scales: Scales) -> Weighed:
     if law.lack.most_share > FORM_NOISE_SHARE:
         return nothing_named("unknown", hidden_words(law.lack, scales.problem))
     elsewhere = foretold(law, scales.problem)
-    if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
+    if tolerance.counted(elsewhere) > FORM_NOISE_SHARE:
         return nothing_named("unknown", foretold_words(law.lack, elsewhere))
     best = scales.usable[0] if scales.usable else None
     return _complete(form_words(law.lack, elsewhere, best=best, law=law), scales)
@@ -162,18 +160,14 @@ def _nothing_named(scales: Scales, pair: Judged | None) -> Weighed:
 
 
 def _complete(reason: str, scales: Scales) -> Weighed:
-    """Call a law complete for a reason, unless it goes wrong between the levels tested by more than passes for form.
+    """Call a law complete for a reason, unless a part of it leaves mean forces open that are more than passes for form.
 
-    Or a part of it leaves mean forces open that are more than that: what nobody foretells isn't explained.
+    What nobody foretells isn't explained.
     """
     if not scales.tolerance.proved:
         means = means_left_open(scales.law, scales.problem)
         if means.are_material:
             return nothing_named("unknown", means.words())
-    scales.workers.tell("levels left out")
-    worst = worst_level(scales.law, scales.problem)
-    if worst is not None and worst.share > FORM_NOISE_SHARE:
-        return nothing_named("unknown", between_words(worst))
     return nothing_named("complete", reason)
 
 
