@@ -14,7 +14,7 @@ from pathlib import Path
 from pipeclamp_identification.campaign.bundled import campaign_folder
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.fitting.identify import fit_structure
-from pipeclamp_identification.fitting.least_squares import starting_points
+from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.observations import coarser, loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Structure

@@ -16,7 +16,7 @@ with atheris.instrument_imports(include=["pipeclamp", "pipeclamp_models", "pipec
     from pipeclamp_fmu.set_parameters import set_parameters
     from pipeclamp_identification.campaign.description import read_description
     from pipeclamp_identification.importing.conditions import read_conditions
-    from pipeclamp_identification.importing.importer import plan_import
+    from pipeclamp_identification.importing.records.planner import plan_import
     from pipeclamp_identification.importing.stated import Options
     from pipeclamp_identification.workflow.reading import read_tests
     from pipeclamp_models.base.errors import UserError

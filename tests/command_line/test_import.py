@@ -249,7 +249,7 @@ def test_where_no_file_can_be_used_nothing_is_offered(refused, tmp_path):
 
 
 def test_where_all_files_lack_a_channel_it_is_asked_for_after_some_of_them(refused, tmp_path, monkeypatch):
-    from pipeclamp_identification.importing import taking
+    from pipeclamp_identification.importing.records import taking
 
     names = "Zeit [s];Wert A;Wert B"
     folder = write_texts(tmp_path / "e", [loop(0.3 + number / 100) for number in range(25)], names=names)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeclamp_identification.fitting.covariance import covariance_of, moved_by_runs
+from pipeclamp_identification.fitting.joint.covariance import covariance_of, moved_by_runs
 
 VALUES, PARAMETERS = 40, 12
 SHAPES = np.linalg.qr(np.random.default_rng(1).normal(size=(VALUES, 4)))[0] * (30, 10, 3, 1)

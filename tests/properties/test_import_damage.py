@@ -21,8 +21,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pipeclamp_identification.importing.apart import read_apart
-from pipeclamp_identification.importing.importer import plan_import
 from pipeclamp_identification.importing.raw import Damaged
+from pipeclamp_identification.importing.records.planner import plan_import
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_models.base.errors import UserError
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model, condition_parameter
@@ -10,16 +11,46 @@ from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations.symbols import condition_symbol
 from pipeclamp_models.law.file import Interval, LawFile, law_of
-from pipeclamp_models.pipe.modes import ReducedPipe
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.cosim.building import law_in
-from pipeclamp_system.description.excitation import sine_amplitude
-from pipeclamp_system.description.system import ClampSource, ResponseTable, SystemDescription
+from pipeclamp_system.description.excitation import require_kind, sine_amplitude
+from pipeclamp_system.description.system import ClampSource, ResponseTable, SystemDescription, read_system
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SAMPLES_PER_CYCLE, SteadyClamp, samples_of_law
 
 AROUND = 0.7
 """Of the excitation's frequency: where the response begins unless told, and the inverse of where it ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class RespondingSystem:
+    """A system that has a frequency response, as its file describes it."""
+
+    description: SystemDescription
+    table: ResponseTable
+    pipe: ReducedPipe
+
+
+def read_responding(path: Path) -> RespondingSystem:
+    """Read SYSTEM.toml, and refuse what has no frequency response before anything of it is computed.
+
+    Raises:
+        UserError: the system can't be read, or has no sine, no law or nothing to show.
+    """
+    description = read_system(path)
+    table = response_table(description, str(path))
+    if description.pipe.file is None:
+        raise UserError(f"{path}: pipe: a response needs the pipe's equations; expected file = 'PIPE.toml', not an FMU")
+    pipe = reduce(read_pipe(path.parent / description.pipe.file))
+    require_kind(description.excitation, pipe.excitation, str(path))
+    if not description.clamps and not pipe.probe_names:
+        raise UserError(
+            f"{path}: there is neither a clamp nor a probe whose motion could be shown; expected one of them"
+        )
+    steady_system(description, pipe, path.parent, None, 1.0, table.harmonics, str(path))
+    return RespondingSystem(description, table, pipe)
 
 
 def response_table(description: SystemDescription, where: str) -> ResponseTable:

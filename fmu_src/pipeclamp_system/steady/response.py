@@ -16,14 +16,11 @@ from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.law.file import Interval
-from pipeclamp_models.pipe.description import read_pipe
-from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_system.cosim.building import finished, law_in
-from pipeclamp_system.description.excitation import require_kind
-from pipeclamp_system.description.system import ResponseTable, read_system
+from pipeclamp_system.description.system import ResponseTable
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.described import ranges_of, response_table, steady_system
+from pipeclamp_system.steady.described import ranges_of, read_responding, steady_system
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
@@ -312,18 +309,8 @@ def run_response(path: Path, progress: Progress = silent, *, dots: bool = True) 
     Raises:
         UserError: the system can't be read or built, has no sine, no law or nothing to show, or a co-simulation fails.
     """
-    description = read_system(path)
-    table = response_table(description, str(path))
-    if description.pipe.file is None:
-        raise UserError(f"{path}: pipe: a response needs the pipe's equations; expected file = 'PIPE.toml', not an FMU")
-    pipe = reduce(read_pipe(path.parent / description.pipe.file))
-    require_kind(description.excitation, pipe.excitation, str(path))
-    if not description.clamps and not pipe.probe_names:
-        raise UserError(
-            f"{path}: there is neither a clamp nor a probe whose motion could be shown; expected one of them"
-        )
-    # Refuses what can't serve before anything is built.
-    steady_system(description, pipe, path.parent, None, 1.0, table.harmonics, str(path))
+    asked = read_responding(path)
+    description, table, pipe = asked.description, asked.table, asked.pipe
     curves: list[Curve] = []
     found: list[Dot] = []
     frequencies = _dot_frequencies(table) if dots else ()

@@ -17,7 +17,7 @@ from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.workflow.next_command import next_command
 from pipeclamp_identification.workflow.tests import Diagnosed
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import Progress, Workers, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import NamedKind
@@ -144,5 +144,5 @@ def diagnose(
     known, tests = opened(law), tested(tests)
     own = {fspath(path): read_declaration(Path(path)) for path in declared}
     reach = parse_limits(limits) if limits else None
-    found = tests.tests.diagnose(known.file, declared=own.values(), limits=reach, jobs=jobs, progress=progress)
+    found = tests.tests.diagnose(known.file, declared=own.values(), limits=reach, workers=Workers(jobs, progress))
     return Diagnosis(known, tests, found, own)

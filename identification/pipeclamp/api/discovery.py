@@ -18,7 +18,7 @@ from pipeclamp_identification.workflow.next_command import after_discovery
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import Progress, Workers, silent
 from pipeclamp_models.law.declaration_files import read_declaration
 
 if TYPE_CHECKING:
@@ -135,6 +135,6 @@ def discover(
     known, tests = opened(law), tested(tests)
     declarations = [read_declaration(Path(fspath(path))) for path in declared]
     found = workflow.discover(
-        known.file, tests.tests, command=COMMAND, declared=declarations, jobs=jobs, progress=progress
+        known.file, tests.tests, command=COMMAND, declared=declarations, workers=Workers(jobs, progress)
     )
     return Discovery(known, tests, found)

@@ -11,10 +11,11 @@ from pipeclamp.show.narrowing import band_plan_view
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.planning import campaign
+from pipeclamp_identification.planning.band_plan import BandPlan
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import plan_files
 from pipeclamp_identification.planning.loop_tests import RIG
-from pipeclamp_identification.planning.narrowing import BandPlan, plan_tests
+from pipeclamp_identification.planning.narrowing import plan_tests
 from pipeclamp_identification.planning.rig_times import HOURS, SCATTER_BEFOREHAND
 from pipeclamp_models.base.files import write_folder
 from pipeclamp_models.base.one_thread import one_thread

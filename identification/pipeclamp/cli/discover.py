@@ -46,6 +46,7 @@ def discover(
     from pipeclamp_identification.workflow.next_command import after_discovery
     from pipeclamp_models.base.errors import UsageError
     from pipeclamp_models.base.files import write_whole
+    from pipeclamp_models.base.progress import Workers
     from pipeclamp_models.law.declaration_files import SUFFIX, read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
 
@@ -58,7 +59,7 @@ def discover(
         _, declarations = read_effects((), declared or ())
         tests = read_and_tell(campaign, strict, tell)
         found = workflow.discover(
-            file, tests, command=command_called(), declared=declarations, jobs=jobs, progress=tell
+            file, tests, command=command_called(), declared=declarations, workers=Workers(jobs, tell)
         )  # fmt: skip
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = after_discovery(

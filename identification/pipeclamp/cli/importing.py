@@ -17,7 +17,7 @@ from pipeclamp_models.base.files import refuse_folder
 
 if TYPE_CHECKING:
     from pipeclamp_identification.importing.answer import ImportedCampaign
-    from pipeclamp_identification.importing.columns import Mapped, Stated
+    from pipeclamp_identification.importing.channels.columns import Mapped, Stated
     from pipeclamp_identification.importing.unusable import UnusableFiles
 
 app = typer.Typer()
@@ -116,7 +116,7 @@ def _at_a_terminal() -> bool:
 
 def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:
     """Ask at the terminal what names and units leave open."""
-    from pipeclamp_identification.importing.columns import parse_columns
+    from pipeclamp_identification.importing.channels.columns import parse_columns
 
     stated: list[Stated] = []
     for question in mapped.questions:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -38,10 +37,14 @@ from pipeclamp.cli.terminal import (
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
+from pipeclamp_models.base.progress import Progress, Workers
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import LawChange
-    from pipeclamp_models.law.file import LawFile, NamedKind
+    from pipeclamp_identification.workflow.tests import Tests
+    from pipeclamp_models.law.file import LawFile, NamedKind, Provenance
+
+    Change = Callable[[LawFile, Tests, Provenance, Progress], Sequence[LawChange]]
 
 app = typer.Typer()
 
@@ -268,22 +271,15 @@ def diagnose(
         file = opened_law(law)
         _, declarations = read_effects((), declared or ())
         tests = read_and_tell(campaign, strict, tell)
-        reach = parse_limits(limits) if limits else None
+        reach, workers = parse_limits(limits) if limits else None, Workers(jobs, tell)
         if auto:
             settled = climbed(
-                file,
-                tests,
-                campaign,
-                auto,
-                tell,
-                command=command_called(),
-                declared=declarations,
-                limits=reach,
-                jobs=jobs,
-            )
+                file, tests, campaign, auto, command=command_called(), declared=declarations, limits=reach,
+                workers=workers,
+            )  # fmt: skip
             file, found, ladder, rungs = settled.told(tests.name), settled.found, settled.ladder, settled.words()
         else:
-            found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
+            found = tests.diagnose(file, declared=declarations, limits=reach, workers=workers)
             ladder, rungs = (), []
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
@@ -315,8 +311,8 @@ def remove(
     """Take an effect out of a law, refit the rest, and say what the error did."""
     from pipeclamp_identification.workflow.change import remove_effect
 
-    def change(file: LawFile, **given: Any) -> Sequence[LawChange]:
-        return [remove_effect(file, effect, **given)]
+    def change(file: LawFile, tests: Tests, made: Provenance, tell: Progress) -> Sequence[LawChange]:
+        return [remove_effect(file, effect, tests, provenance=made, progress=tell)]
 
     _change(change, "remove", law, campaign, output, strict, reproducible)
 
@@ -347,7 +343,10 @@ def add(
     if not names:
         raise UsageError(f"EFFECT: got {effect!r}; expected the name of an effect, such as memory")
     kind: NamedKind | None = None if meant is None else meant.value
-    change = partial(add_effects, effects=names, kind=kind, declared=declarations)
+
+    def change(file: LawFile, tests: Tests, made: Provenance, tell: Progress) -> Sequence[LawChange]:
+        return add_effects(file, names, tests, provenance=made, declared=declarations, kind=kind, progress=tell)
+
     _change(change, "add", law, campaign, output, strict, reproducible)
 
 
@@ -362,14 +361,14 @@ def refit(
     """Fit a law with its effects to tests anew, as where others have joined, and say what the error did."""
     from pipeclamp_identification.workflow.change import refit as refitted
 
-    def change(file: LawFile, **given: Any) -> Sequence[LawChange]:
-        return [refitted(file, **given)]
+    def change(file: LawFile, tests: Tests, made: Provenance, tell: Progress) -> Sequence[LawChange]:
+        return [refitted(file, tests, provenance=made, progress=tell)]
 
     _change(change, "refit", law, campaign, output, strict, reproducible)
 
 
 def _change(
-    change: Callable[..., Sequence[LawChange]],
+    change: Change,
     title: str,
     law: str,
     campaign: Path,
@@ -387,7 +386,7 @@ def _change(
         file = opened_law(law)
         tests = read_and_tell(campaign, strict, tell)
         made = Provenance(command_called(), None if reproducible else now())
-        steps = change(file, tests=tests, provenance=made, progress=tell)
+        steps = change(file, tests, made, tell)
     changed = steps[-1].after
     write_whole(output, law_text(changed))
     for step in steps:
@@ -403,14 +402,14 @@ def _change(
     print_next(after_change(str(output), str(campaign)))
 
 
-def _print_law(file: Any, output: Path) -> None:
+def _print_law(file: LawFile, output: Path) -> None:
     from pipeclamp.show.law import coefficient_table
 
     print_table(coefficient_table(file))
     _print_fit(file, output)
 
 
-def _print_fit(file: Any, output: Path) -> None:
+def _print_fit(file: LawFile, output: Path) -> None:
     from pipeclamp.show.law import doubts, fit_words
 
     for line in doubts(file):

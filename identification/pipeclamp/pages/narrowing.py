@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import GRID, INK, LOG_AXIS, MODEL, SERIES, Report, Section, styled
 from pipeclamp.show.narrowing import band_plan_words, tests_table
-from pipeclamp_identification.planning.narrowing import BandPlan, Map, NextLoopTest
+from pipeclamp_identification.planning.band_plan import BandPlan, Map, NextLoopTest
 from pipeclamp_identification.workflow.next_step import NextStep
 
 MAP_WORDS = (

@@ -8,8 +8,9 @@ from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
-from pipeclamp_identification.planning.narrowing import WORTH_SHARE, BandPlan, Map, test_words
+from pipeclamp_identification.planning.band_plan import BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
+from pipeclamp_identification.planning.narrowing_search import WORTH_SHARE
 from pipeclamp_system.bands.band import NAMED_SHARE, Band, ends_words, origin_words
 
 

@@ -14,7 +14,7 @@ from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import spare_cores
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, Workers
 from pipeclamp_models.law.file import LawFile, law_text, read_law
 
 
@@ -38,7 +38,7 @@ def discover(
 
     tell("reading the tests")
     tests, file = read_tests(Path(campaign)).of_sines(), read_law(Path(of))
-    found = discovered(file, tests, command=command, jobs=spare_cores(), progress=tell)
+    found = discovered(file, tests, command=command, workers=Workers(spare_cores(), tell))
     if found.declaration is not None and found.after is not None:
         write_whole(Path(term), toml_of(found.declaration))
         write_whole(Path(law), law_text(found.after.model_copy(update={"date": now()})))

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, TOLD
 from pipeclamp_identification.workflow.reading import read_tests
-from pipeclamp_identification.workflow.tests import Tests
+from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import spare_cores
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, Workers
 from pipeclamp_models.law.file import LawFile, NamedKind, Provenance, law_text, read_law
 from pipeclamp_models.law.law import Structure
 
 if TYPE_CHECKING:
     from pipeclamp_identification.diagnosis.further_test.limits import Limits
+    from pipeclamp_identification.workflow.climb import Rung
 
 
 def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str) -> dict[str, Any]:
@@ -51,7 +52,7 @@ def refit(tell: Progress, *, campaign: str, of: str, law: str, command: str) -> 
 def diagnose(tell: Progress, *, campaign: str, law: str, limits: str) -> dict[str, Any]:
     """Find what a law lacks, and write it beside the law."""
     tests, file = _tests(tell, campaign), read_law(Path(law))
-    found = tests.diagnose(file, limits=_reach(limits), jobs=spare_cores(), progress=tell)
+    found = tests.diagnose(file, limits=_reach(limits), workers=Workers(spare_cores(), tell))
     tell("next test")
     _write_diagnosis(found, file, campaign, law, ())
     return {"verdict": found.verdict}
@@ -72,7 +73,7 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
 
     so_far = SoFar(doing, keep=lambda best: write_whole(Path(law), law_text(best)))
     settled = add_until_settled(
-        file, tests, command=command, limits=_reach(limits), jobs=spare_cores(), progress=so_far.doing,
+        file, tests, command=command, limits=_reach(limits), workers=Workers(spare_cores(), so_far.doing),
         climbed=so_far.come,
     )  # fmt: skip
     if not settled.ladder:
@@ -90,7 +91,7 @@ def _reach(limits: str) -> Limits | None:
     return parse_limits(limits) if limits else None
 
 
-def _write_diagnosis(found: Any, file: LawFile, campaign: str, law: str, ladder: tuple[Any, ...]) -> None:
+def _write_diagnosis(found: Diagnosed, file: LawFile, campaign: str, law: str, ladder: tuple[Rung, ...]) -> None:
     """Write, beside a law, the answer, what the studio shows of it, and the next test's drive signal."""
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp.studio.told import told_of

@@ -30,10 +30,11 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import starting_points
+from pipeclamp_identification.fitting.joint.starts import kept
 from pipeclamp_identification.fitting.refinement import refined_starts
-from pipeclamp_identification.fitting.starts import kept
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Progress, Workers
 from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -48,8 +49,7 @@ def candidates(
     problem: Problem,
     law: Judged,
     promises: Sequence[Promise],
-    jobs: int,
-    tell: Progress,
+    workers: Workers,
 ) -> tuple[list[Judged], dict[str, float]]:
     """Fit the effects that promise something.
 
@@ -58,8 +58,7 @@ def candidates(
         problem: the data.
         law: the law as it is.
         promises: of each effect, most promising first.
-        jobs: processes; -1 for as many as there are cores.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
 
     Returns:
         the law with each of them, best first; and effects that were screened out, each with its share of the largest
@@ -77,11 +76,11 @@ def candidates(
         Contender((promise.name,), with_effect(structure, promise.name), [start.values for start in promise.starts])
         for promise in chosen
     ]
-    judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, tell), problem, jobs, tell))
+    judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, workers.tell), problem, workers))
     best = [each.result.law.structure.effect(each.effects[0]) for each in judged[:MOST_PAIRED]]
     special = {simple for effect in best for simple in effect.special_cases}  # may do as well once they are larger
     grown = [
-        larger_as_asked(each, structure, problem, tell)
+        larger_as_asked(each, structure, problem, workers.tell)
         if place < MOST_PAIRED or effect_id(each.effects[0]) in special
         else each
         for place, each in enumerate(judged)
@@ -178,8 +177,7 @@ def pairs(
     sound: Sequence[Judged],
     usable: Sequence[Judged],
     promises: Sequence[Promise],
-    jobs: int,
-    tell: Progress,
+    workers: Workers,
 ) -> list[Judged]:
     """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first.
 
@@ -191,8 +189,7 @@ def pairs(
         sound: candidates that may be the cause, best first.
         usable: candidates that nothing physical speaks against, best first; the former among them.
         promises: what each effect promises by itself.
-        jobs: processes.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
     """
     contenders: list[Contender] = []
     seen: set[frozenset[str]] = set()
@@ -216,10 +213,9 @@ def pairs(
     others = [one for one in best_of_each(usable) if not any(one is first for first in firsts)]
     further = [pair for first in others for pair in _with_modifiers(structure, first, problem)]
     contenders += [each for _, each in sorted(further, key=lambda pair: pair[0])[:MOST_PAIRED]]
-    found = ranked(
-        pair for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell) if pair.may_be_cause
-    )
-    return [larger_as_asked(pair, structure, problem, tell) for pair in found[:1]] + found[1:]
+    best = judge_each(_best_roughly(contenders, problem, workers.tell), problem, workers)
+    found = ranked(pair for pair in best if pair.may_be_cause)
+    return [larger_as_asked(pair, structure, problem, workers.tell) for pair in found[:1]] + found[1:]
 
 
 def twins(
@@ -227,8 +223,7 @@ def twins(
     structure: Structure,
     problem: Problem,
     candidates: Sequence[Judged],
-    jobs: int,
-    tell: Progress,
+    workers: Workers,
 ) -> list[Judged]:
     """Fit what acts like one of two effects in its place, beside the other; give what isn't objected to, best first.
 
@@ -238,8 +233,7 @@ def twins(
         pair: the law with the two.
         structure, problem: what they join.
         candidates: every effect that was fitted by itself, best first.
-        jobs: processes.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
     """
     values = pair.result.law.values
     contenders: list[Contender] = []
@@ -259,7 +253,7 @@ def twins(
                 starts = [both.own(start) for start in ({**alone, **values}, {**values, **alone})]
                 in_order = most_promising_first(both, problem.coarse, starts)
                 contenders.append(Contender((twin.effects[0], stays), both, in_order))
-    return ranked(each for each in judge_each(contenders, problem, jobs, tell) if not each.objections)
+    return ranked(each for each in judge_each(contenders, problem, workers) if not each.objections)
 
 
 def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:

@@ -23,7 +23,7 @@ from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import varies
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
 
@@ -211,11 +211,10 @@ def diagnosed(
     *,
     declared: Collection[Declaration] = (),
     limits: Limits | None = None,
-    jobs: int = 1,
-    progress: Progress = silent,
+    workers: Workers = ALONE,
     prepared: Callable[[], Prepared] | None = None,
 ) -> RecordDiagnosed:
-    """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
+    """Diagnose the law of a parameter file on a campaign; declared effects are candidates too.
 
     What the law's file knows of its way counts too; see `named.by_history`.
 
@@ -225,8 +224,7 @@ def diagnosed(
         loops: `loops_of(campaign)`, where they are known already.
         declared: a user's own effects.
         limits: what the rig can do.
-        jobs: processes; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
         prepared: gives `problem.prepare` of the law, where it may be known already.
 
     Raises:
@@ -235,7 +233,7 @@ def diagnosed(
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
     diagnosis = diagnose(
-        structure, campaign, comparison.loops, start=law_of(file).values, proved=not unproved_of(file), jobs=jobs,
-        progress=progress, prepared=prepared,
+        structure, campaign, comparison.loops, start=law_of(file).values, proved=not unproved_of(file),
+        workers=workers, prepared=prepared,
     )  # fmt: skip
     return by_history(RecordDiagnosed(diagnosis, comparison, limits), file, campaign.fingerprint, declared)

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
-from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations

@@ -20,7 +20,9 @@ from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import ages, fit_structure
-from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, unfitted
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import linearised
+from pipeclamp_identification.fitting.least_squares import fit, unfitted
 from pipeclamp_identification.fitting.observations import (
     LoopObservations,
     coarser,
@@ -31,7 +33,7 @@ from pipeclamp_identification.fitting.observations import (
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, by_stretch
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
@@ -318,23 +320,22 @@ class Contender:
     tolerance: float = CLOSELY
 
 
-def judge_each(contenders: Sequence[Contender], problem: Problem, jobs: int, tell: Progress) -> list[Judged]:
+def judge_each(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[Judged]:
     """Judge laws side by side.
 
     Args:
         contenders: the laws.
         problem: the data.
-        jobs: processes; -1 for as many as there are cores.
-        tell: is told which law is done.
+        workers: share the laws out, and tell which is done.
 
     Returns:
         what came of each, in the same order.
     """
-    processes = min(effective_n_jobs(jobs), len(contenders)) if problem.is_large else 1
+    processes = min(effective_n_jobs(workers.processes), len(contenders)) if problem.is_large else 1
     work = (delayed(judge)(each.effects, each.structure, each.starts, problem, each.tolerance) for each in contenders)
     judged = []
     for result in Parallel(n_jobs=max(processes, 1), return_as="generator")(work):
-        tell(f"fitted {' and '.join(result.effects)}")
+        workers.tell(f"fitted {' and '.join(result.effects)}")
         judged.append(result)
     return judged
 

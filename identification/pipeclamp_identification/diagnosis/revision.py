@@ -10,18 +10,11 @@ import numpy as np
 from pipeclamp_identification.diagnosis.candidates import larger_as_asked
 from pipeclamp_identification.diagnosis.foretold import gains, share_of_error, takes_part
 from pipeclamp_identification.diagnosis.open_means import with_means_counted
-from pipeclamp_identification.diagnosis.problem import (
-    Judged,
-    Prepared,
-    Problem,
-    judge,
-    prepare,
-    roughly,
-    weighed_again,
-)
+from pipeclamp_identification.diagnosis.problem import Judged, Prepared, Problem, judge, prepare, roughly, weighed_again
 from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, are_one_memory
-from pipeclamp_identification.fitting.least_squares import sized_and_linearised, starting_points
+from pipeclamp_identification.fitting.joint.points import sized_and_linearised, starting_points
+from pipeclamp_identification.fitting.joint.starts import Linearised, kept
 from pipeclamp_identification.fitting.refinement import refined_starts
-from pipeclamp_identification.fitting.starts import Linearised, kept
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Family

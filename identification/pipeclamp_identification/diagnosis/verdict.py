@@ -47,7 +47,7 @@ from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Workers
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
@@ -144,8 +144,7 @@ def diagnose(
     *,
     start: Mapping[str, float] | None = None,
     proved: bool = True,
-    jobs: int = 1,
-    progress: Progress = silent,
+    workers: Workers = ALONE,
     prepared: Callable[[], Prepared] | None = None,
 ) -> Diagnosis:
     """Find which effect a law lacks.
@@ -156,8 +155,7 @@ def diagnose(
         loops: `loops_of(campaign)`, where they are known already.
         start: values of the law's parameters to start from, by name, where they are known.
         proved: whether nothing of the law was added as a mere part.
-        jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
         prepared: gives `prepare` of the law, where it may be known already.
 
     Raises:
@@ -168,7 +166,7 @@ def diagnose(
         raise UserError(
             f"{counted(len(loops.run), 'run')} can't show what a law lacks; expected at least {FEWEST_RUNS}"
         )
-    progress("law as it is")
+    workers.tell("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)
     tolerance = _tolerance(structure, problem, loops, proved)
@@ -176,19 +174,19 @@ def diagnose(
     screened_out: dict[str, float] = {}
     if not is_complete(law, problem, tolerance):
         problem, law = weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
-        promises = screened(structure, problem, law, progress)
-        judged, screened_out = candidates(structure, problem, law, promises, jobs, progress)
-        problem, law, judged = _by_the_best_ones_residuals(problem, law, judged, jobs, progress)
+        promises = screened(structure, problem, law, workers.tell)
+        judged, screened_out = candidates(structure, problem, law, promises, workers)
+        problem, law, judged = _by_the_best_ones_residuals(problem, law, judged, workers)
     differing = _unstated_beside(law, judged, problem)
-    found = weigh(structure, problem, law, judged, tolerance, jobs, progress, differing)
+    found = weigh(structure, problem, law, judged, tolerance, workers, differing)
     found = unless_at_one_condition(found, problem.loops)
-    progress("what is left over")
+    workers.tell("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
     if found.verdict != "complete":
         return diagnosis
     if diagnosis.leftover.not_periodic:
         return replace(diagnosis, found=replace(found, verdict="unknown"))
-    progress("levels left out")
+    workers.tell("levels left out")
     contradiction = elsewhere(law, problem, tolerance, campaign, loops).contradiction
     if not contradiction:
         return diagnosis
@@ -196,13 +194,13 @@ def diagnose(
 
 
 def _by_the_best_ones_residuals(
-    problem: Problem, law: Judged, judged: list[Judged], jobs: int, progress: Progress
+    problem: Problem, law: Judged, judged: list[Judged], workers: Workers
 ) -> tuple[Problem, Judged, list[Judged]]:
     """Weigh the evidence by what the best law leaves over, and leave a poor valley that candidates have left."""
     if judged and not judged[0].objections:
-        progress("evidence weighed by the best law's own residuals")
+        workers.tell("evidence weighed by the best law's own residuals")
         problem, law = weighed_again(problem, law.result.law.structure, likeliest(judged).result, [law.result])
-        judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, progress))
+        judged = ranked(judge_each([as_it_is(each) for each in judged], problem, workers))
     law = law_from_another_valley(law, judged, problem)
     return problem, law, [with_means_counted(each, law, problem) for each in judged]
 

@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.problem import Contender, Judged, Proble
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.discovery.guards import surely_better
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.law import Structure
 
 MOST_GONE = 4
@@ -47,7 +47,7 @@ def without_last_effects(law: Judged, problem: Problem) -> Iterator[Basis]:
 
 
 def with_needed_back(
-    term: Judged, gone: Sequence[str], law: Judged, problem: Problem, jobs: int, progress: Progress
+    term: Judged, gone: Sequence[str], law: Judged, problem: Problem, workers: Workers
 ) -> Iterator[Basis]:
     """Give the law with those effects back that are needed beside a term in their place: the first, two of them, ...
 
@@ -59,13 +59,12 @@ def with_needed_back(
         gone: these effects.
         law: the law with all of them, without the term.
         problem: the tests.
-        jobs: processes; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
     """
     whole, left = law.result.law.structure, tuple(gone)
     while len(left) > 1:
-        progress(f"what of {' and '.join(left)} is needed beside a term")
-        back = judge_each(list(_each_back(term, left, law)), problem, jobs, progress)
+        workers.tell(f"what of {' and '.join(left)} is needed beside a term")
+        back = judge_each(list(_each_back(term, left, law)), problem, workers)
         best = min(back, key=lambda one: one.squares, default=None)
         if best is None or share_of_error(best, term) < MATERIAL_PART_SHARE or not surely_better(best, term, problem):
             return

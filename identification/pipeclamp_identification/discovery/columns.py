@@ -13,7 +13,7 @@ import sympy as sp
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.discovery.grammar import Term, linear_symbol
 from pipeclamp_identification.discovery.shapes import RATE, STRENGTH
-from pipeclamp_identification.fitting.least_squares import linearised
+from pipeclamp_identification.fitting.joint.points import linearised
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress

@@ -43,7 +43,7 @@ from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.arrays import BoolArray
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
@@ -84,8 +84,7 @@ def search(
     loops: Loops | None = None,
     *,
     declared: Collection[Declaration] = (),
-    jobs: int = 1,
-    progress: Progress,
+    workers: Workers,
 ) -> TermSearch:
     """Search the grammar for a term that a law lacks.
 
@@ -94,8 +93,7 @@ def search(
         campaign: the tests.
         loops: `loops_of(campaign)`, where they are known already.
         declared: a user's own effects, which count as the catalogue's.
-        jobs: processes; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
 
     Raises:
         UserError: the tests can't serve the law, or are too few.
@@ -107,7 +105,7 @@ def search(
             f"groups of amplitude and frequency: {count}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
-    found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
+    found = diagnosed(file, campaign, loops, declared=declared, workers=workers)
     if found.verdict == "complete":
         return TermSearch(found, None, 0, "nothing is missing: what the law leaves over is scatter")
     if found.kind == "cause":
@@ -126,16 +124,16 @@ def search(
     bar = Hurdle(law, listed, _rows(loops, kept), found.effects)
 
     evaluation = Evaluation(problem, law)
-    columns = all_columns(evaluation, every, progress)
+    columns = all_columns(evaluation, every, workers.tell)
 
     def asked(basis: Basis) -> TermFound | str:
         other = Evaluation(problem, basis.law)
-        beside = beside_another_law(columns, evaluation, other, every, progress)
-        return _asked(other, beside, basis.gone, bar, jobs, progress)
+        beside = beside_another_law(columns, evaluation, other, every, workers.tell)
+        return _asked(other, beside, basis.gone, bar, workers)
 
-    own = _asked(evaluation, columns, (), bar, jobs, progress)
+    own = _asked(evaluation, columns, (), bar, workers)
     heard = [own] if isinstance(own, TermFound) else []
-    heard += in_the_place_of_effects(law, problem, asked, jobs, progress)
+    heard += in_the_place_of_effects(law, problem, asked, workers)
     if not heard:
         return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
@@ -171,7 +169,7 @@ def catalogue_first(causes: Sequence[str]) -> str:
 
 
 def in_the_place_of_effects(
-    law: Judged, problem: Problem, asked: Callable[[Basis], TermFound | str], jobs: int, progress: Progress
+    law: Judged, problem: Problem, asked: Callable[[Basis], TermFound | str], workers: Workers
 ) -> list[TermFound]:
     """Give terms that pass in the place of some of a law's effects: of its last ones, and of those that aren't needed.
 
@@ -179,13 +177,12 @@ def in_the_place_of_effects(
         law: the law.
         problem: the tests.
         asked: searches the grammar for a term in a law.
-        jobs: processes; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
     """
 
     def found_in(bases: Iterable[Basis]) -> Iterator[TermFound]:
         for basis in bases:
-            progress(f"a term in the place of {' and '.join(basis.gone)}")
+            workers.tell(f"a term in the place of {' and '.join(basis.gone)}")
             found = asked(basis)
             if isinstance(found, TermFound):
                 yield found
@@ -193,7 +190,7 @@ def in_the_place_of_effects(
     found = list(found_in(without_last_effects(law, problem)))
     if found:
         widest = found[-1]
-        for one in found_in(with_needed_back(widest.judged, widest.gone, law, problem, jobs, progress)):
+        for one in found_in(with_needed_back(widest.judged, widest.gone, law, problem, workers)):
             found.append(one)
             if one.passed:
                 break
@@ -205,8 +202,7 @@ def _asked(
     columns: Sequence[TermColumn],
     gone: tuple[str, ...],
     bar: Hurdle,
-    jobs: int,
-    progress: Progress,
+    workers: Workers,
 ) -> TermFound | str:
     """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at.
 
@@ -215,11 +211,10 @@ def _asked(
         columns: of all terms beside it.
         gone: effects in whose place the term stands.
         bar: what it must better.
-        jobs: processes; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
     """
     law, problem = evaluation.law, evaluation.problem
-    progress("what chance would explain")
+    workers.tell("what chance would explain")
     scanned = screened_columns(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
     chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
@@ -228,7 +223,7 @@ def _asked(
     known = {column.term.declaration.id: column.term for column in columns}
 
     def together(contenders: Sequence[Contender]) -> list[RefittedTerm]:
-        judged = judge_each(contenders, problem, jobs, progress)
+        judged = judge_each(contenders, problem, workers)
         return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
 
     # a term may fit best in another valley than the one that its best start lies in
@@ -237,13 +232,13 @@ def _asked(
     refitted += [one for one in together(_related(law, refitted, known)) if one.stands]
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
-    progress("ask the conditions that were kept back")
+    workers.tell("ask the conditions that were kept back")
     hearing = Hearing(evaluation, columns, refitted, bar, gone, stopped=stopped[:MOST_REFINED])
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
-    refining = Refining(_varied(problem), jobs, progress)
+    refining = Refining(_varied(problem), workers)
     heard: list[TermFound] = []
     while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)

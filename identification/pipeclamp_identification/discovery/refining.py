@@ -12,12 +12,7 @@ from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, R
 from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
-from pipeclamp_identification.discovery.guards import (
-    beyond_chance,
-    beyond_the_tests,
-    surely_better,
-    surely_worse,
-)
+from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, surely_better, surely_worse
 from pipeclamp_identification.discovery.hearing import (
     Hearing,
     RefittedTerm,
@@ -29,7 +24,7 @@ from pipeclamp_identification.discovery.hearing import (
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.law import Structure, with_effect
 
 MOST_REFINED = 3
@@ -51,13 +46,11 @@ class Refining:
 
     Attributes:
         varied: what varies over the tests, as the grammar takes it.
-        jobs: processes.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
     """
 
     varied: tuple[Sequence[str], Mapping[str, float]]
-    jobs: int
-    progress: Progress
+    workers: Workers
 
     def of(self, found: TermFound, best: RefittedTerm, hearing: Hearing) -> TermFound:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
@@ -82,7 +75,7 @@ class Refining:
 
     def _one_more(self, best: RefittedTerm, hearing: Hearing) -> tuple[TermFound, RefittedTerm, Hearing] | None:
         """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
-        self.progress(f"refine {best.term.acts_like}")
+        self.workers.tell(f"refine {best.term.acts_like}")
         shorter = [one for one in hearing.refitted if one.term.declaration.id in best.term.shorter]
         hearing, again = weighed_by(best, [best, *shorter], hearing)
         plain, problem = next((one for one in again if one.term is best.term), None), hearing.evaluation.problem
@@ -97,7 +90,7 @@ class Refining:
         forms += [form for one in (plain, *shorter) for form in _beside(one, hearing)]
         structure = hearing.evaluation.law.result.law.structure
         contenders = [_contender(structure, form) for form in forms]
-        judged = judge_each(contenders, problem, self.jobs, self.progress)
+        judged = judge_each(contenders, problem, self.workers)
         fitted = [
             each
             for one, (term, _) in zip(judged, forms, strict=True)

@@ -14,7 +14,9 @@ from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.group_factors import PooledObservations
 from pipeclamp_identification.fitting.groups import factors_of, find_groups, has_groups
 from pipeclamp_identification.fitting.groups_answer import groups_answer
-from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, HELD, WISHED, Fit, fit, unfitted
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.not_fitted import HELD, WISHED
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
 from pipeclamp_identification.fitting.spread import spread_of

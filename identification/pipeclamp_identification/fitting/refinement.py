@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pipeclamp_identification.fitting.least_squares import starting_points
+from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.observations import Observations
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.law import Structure

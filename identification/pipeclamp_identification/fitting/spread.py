@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.fitting.heldout import condition_groups
-from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.local_form import local_form
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis

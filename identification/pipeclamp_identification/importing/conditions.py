@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
-from pipeclamp_identification.importing.naming import names_specimen, setting_called
+from pipeclamp_identification.importing.channels.naming import names_specimen, setting_called
 from pipeclamp_identification.importing.raw import Damaged, without_controls
 from pipeclamp_identification.importing.texts.decoding import decoded
 from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, further_quantity, unit_in_name

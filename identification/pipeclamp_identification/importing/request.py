@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import ImportedCampaign
-from pipeclamp_identification.importing.columns import listed
+from pipeclamp_identification.importing.channels.columns import listed
 from pipeclamp_identification.importing.raw import without_controls
 from pipeclamp_identification.importing.reading import passed_over_in
 from pipeclamp_identification.importing.stated import Options

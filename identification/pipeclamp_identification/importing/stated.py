@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from pipeclamp_identification.importing.columns import Mapped, Stated, parse_columns
+from pipeclamp_identification.importing.channels.columns import Mapped, Stated, parse_columns
+from pipeclamp_identification.importing.channels.questions import NONE
 from pipeclamp_identification.importing.conditions import Pattern, Settings, read_conditions
-from pipeclamp_identification.importing.questions import NONE
 from pipeclamp_identification.importing.unusable import UnusableFiles
 from pipeclamp_models.base.errors import UsageError
 

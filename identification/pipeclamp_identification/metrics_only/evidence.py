@@ -14,8 +14,9 @@ from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
-from pipeclamp_identification.fitting.least_squares import Fit, fit
-from pipeclamp_identification.fitting.starts import SINGULAR_SHARE
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE
+from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations, as_seen_at_few
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.fitting.identify import data_source, file_of_fit, refuse_unknown
-from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, Fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_models.base.arrays import Array

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.fitting.identify import coefficient_entries
-from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.published_rows import published_rows
 from pipeclamp_identification.metrics_only.evidence import single_rows
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations

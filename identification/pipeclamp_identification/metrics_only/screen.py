@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.fitting.least_squares import starting_points, undetermined
+from pipeclamp_identification.fitting.joint.not_fitted import undetermined
+from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions, fewest_numbers
 from pipeclamp_identification.metrics_only.observations import MetricObservations, metric_slopes
 from pipeclamp_identification.metrics_only.thresholds import IMITATED_SHARE, UNSEEN_SHARE

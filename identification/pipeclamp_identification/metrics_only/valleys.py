@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import Structure

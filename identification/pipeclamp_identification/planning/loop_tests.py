@@ -127,7 +127,7 @@ def reach_of(file: LawFile, limits: Limits | None, celsius: float) -> Limits:
 def loop_tests(
     law: VariedLaw,
     limits: Limits,
-    near: Mapping[str, float],
+    near: Mapping[str, float] | None,
     further: Mapping[str, float],
     noise_N: float | None,
 ) -> LoopTests:
@@ -136,7 +136,8 @@ def loop_tests(
     Args:
         law: the law with what isn't known of it.
         limits: what the rig can do; its ranges are finite.
-        near: A (mm), f (Hz) and T (K) of the motion that matters, which is looked at too as far as the rig reaches.
+        near: A (mm), f (Hz) and T (K) of the motion that matters, which is looked at too as far as the rig reaches;
+            None where it isn't known.
         further: other conditions that the law follows, in its units: as on the pipe.
         noise_N: rms noise of the force; None for the scatter that the law's file tells.
     """
@@ -149,7 +150,7 @@ def loop_tests(
     for name, values in levels.items():
         interval = file.range.get(name)
         ends = [interval.minimum, interval.maximum] if interval else []
-        also = np.array([*ends, near[name]]) - (CELSIUS if name == "T" else 0.0)
+        also = np.array([*ends, *([near[name]] if near else [])]) - (CELSIUS if name == "T" else 0.0)
         levels[name] = np.concatenate([values, also])
     grid = drivable_grid(profile, levels, limits)
     slopes, error, off, peak = _foretold(law, grid, further, noise_N)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pydantic import Field
 
 from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
-from pipeclamp_identification.planning.narrowing import BandPlan, NextLoopTest
+from pipeclamp_identification.planning.band_plan import BandPlan, NextLoopTest
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_system.bands.band import Band
 

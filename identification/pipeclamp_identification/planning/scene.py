@@ -9,11 +9,8 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD, sensor_noise
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter, directions
-from pipeclamp_identification.diagnosis.thresholds import (
-    MATERIAL_FORCE_SHARE,
-    MATERIAL_NOISE_SHARE,
-)
-from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_FORCE_SHARE, MATERIAL_NOISE_SHARE
+from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.observations import harmonic_slopes, mean_squares_of, real_harmonics_of
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial

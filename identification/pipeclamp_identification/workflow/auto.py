@@ -8,7 +8,7 @@ from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
 from pipeclamp_identification.workflow.climb import Climber, Fork, Place, Rung, Settled
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 
@@ -24,8 +24,7 @@ def add_until_settled(
     command: str,
     declared: Sequence[Declaration] = (),
     limits: Limits | None = None,
-    jobs: int = 1,
-    progress: Progress = silent,
+    workers: Workers = ALONE,
     most: int = MOST_RUNGS,
     seen: Callable[[Diagnosed, LawFile], None] = lambda found, file: None,
     climbed: Callable[[LawFile, tuple[Rung, ...]], None] = lambda file, ladder: None,
@@ -47,7 +46,7 @@ def add_until_settled(
     Args:
         file: the law to begin with.
         tests: records, or metrics alone.
-        command, declared, limits, jobs, progress: as for `add_effect` and `Tests.diagnose`.
+        command, declared, limits, workers: as for `add_effect` and `Tests.diagnose`.
         most: rungs at most.
         seen: is given each diagnosis with its law, once what it names has been tried; at last that of the end.
         climbed: is given each law that a rung has come to, with what was done on the way, before it is diagnosed.
@@ -55,14 +54,14 @@ def add_until_settled(
     Raises:
         UserError: the data can't serve the law.
     """
-    climber = Climber(tests, command, declared, limits, jobs, progress, most, seen, climbed)
+    climber = Climber(tests, command, declared, limits, workers, most, seen, climbed)
     way = climber.climb(Place(file))
     assert way.settled is not None  # no other way came before
     first = way.settled
     fork = _fork_worth_climbing(way.forks, first.file) if first.found.verdict == "unknown" else None
     if fork is None:
         return first
-    progress(f"another way: {fork.effect} in place of {fork.taken}")
+    workers.tell(f"another way: {fork.effect} in place of {fork.taken}")
     other = climber.climb_from(fork, first.heldout, way.met).settled
     best = other if other and _ends_better(other, first) else first
     seen(best.found, best.file)

@@ -22,7 +22,7 @@ from pipeclamp_identification.workflow.change import (
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind, Provenance
 from pipeclamp_models.law.law import Structure, find_base
@@ -161,8 +161,7 @@ class Climber:
     command: str
     declared: Sequence[Declaration]
     limits: Limits | None
-    jobs: int
-    progress: Progress
+    workers: Workers
     most: int
     seen: Callable[[Diagnosed, LawFile], None]
     climbed: Callable[[LawFile, tuple[Rung, ...]], None]
@@ -185,9 +184,7 @@ class Climber:
             met |= {place.made_of}
             if place.ladder:
                 self.climbed(place.file, place.ladder)
-            found = self.tests.diagnose(
-                place.file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
-            )
+            found = self.tests.diagnose(place.file, declared=self.declared, limits=self.limits, workers=self.workers)
             went = tuple(place.gone[name] for name in found.effects if name in place.gone)
             if went and found.effects[0] in place.gone:
                 found = found.naming_nothing(in_vain_words(went))
@@ -262,7 +259,7 @@ class Climber:
     ) -> list[LawChange]:
         return add_effects(
             file, effects, self.tests, provenance=self._provenance(file), declared=self.declared, kind=kind,
-            start=start, progress=self.progress,
+            start=start, progress=self.workers.tell,
         )  # fmt: skip
 
     def _without_spares(self, place: Place, keep: str, having: str) -> Place:
@@ -274,7 +271,7 @@ class Climber:
             having: what was added last, in words.
         """
         made = self._provenance(place.file)
-        for change in without_spares(place.file, keep, self.tests, provenance=made, progress=self.progress):
+        for change in without_spares(place.file, keep, self.tests, provenance=made, progress=self.workers.tell):
             rung = Rung(change, "revision", (as_well_without(change, having),))
             place = place.after(rung).without(_in_vain([change]))
         return place
@@ -286,7 +283,7 @@ class Climber:
             file: the law.
             names: its effects that are asked; None for all, and its base.
         """
-        for structure in self.tests.better_structures(file, names, self.progress)[:MOST_EXCHANGED]:
+        for structure in self.tests.better_structures(file, names, self.workers.tell)[:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
             if helps([change]) and fits_samples(change):
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"
@@ -299,7 +296,7 @@ class Climber:
         A part was taken while more was missing, which may have bent what it was chosen by.
         """
         parts = parts_of(file)
-        structure = self.tests.simpler_structure(file, parts, self.progress) if parts else None
+        structure = self.tests.simpler_structure(file, parts, self.workers.tell) if parts else None
         if structure is None:
             return None
         change = self._exchanged(file, structure)
@@ -308,7 +305,7 @@ class Climber:
         return Rung(change, "revision", (f"{change.step}: the law does as well with fewer parameters",))
 
     def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
-        return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.progress)
+        return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.workers.tell)
 
 
 def _forks(place: Place, found: Diagnosed, taken: str) -> list[Fork]:

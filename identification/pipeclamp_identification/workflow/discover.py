@@ -12,7 +12,7 @@ from pipeclamp_identification.workflow.change import add_effect, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Workers
 from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
@@ -25,8 +25,7 @@ def discover(
     *,
     command: str,
     declared: Collection[Declaration] = (),
-    jobs: int = 1,
-    progress: Progress = silent,
+    workers: Workers = ALONE,
 ) -> TermProposal:
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
@@ -37,21 +36,20 @@ def discover(
         tests: records of sines.
         command: the command that makes the law with the term again.
         declared: a user's own effects, which count as the catalogue's.
-        jobs: processes; -1 for as many as there are cores.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
 
     Raises:
         UserError: the tests hold no records, or can't serve the law.
     """
     if not isinstance(tests, RecordTests):
         raise UserError(f"{tests.name}: metrics alone; expected a campaign with records, along which a term can act")
-    found = search(file, tests.sines, tests.loops, declared=declared, jobs=jobs, progress=progress)
+    found = search(file, tests.sines, tests.loops, declared=declared, workers=workers)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
     proposal = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
     if found.found is None or not found.found.passed:
         return proposal
-    progress("refit with the term to all tests")
+    workers.tell("refit with the term to all tests")
     provenance = Provenance(command, file.date)
     asked, values = found.found.term.declaration, dict(found.found.judged.result.law.values)
     term = renamed(asked, {*law_of(file).equations.names, *symbols_taken()})
@@ -59,13 +57,13 @@ def discover(
     added = add_effect(
         file, term.id, tests,
         provenance=provenance, declared=(*declared, term), start={**values, **own}, instead=found.found.gone,
-        progress=progress,
+        progress=workers.tell,
     )  # fmt: skip
     before, after = added.heldout
     whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
     if not whole.passed:
         return refused(proposal, whole)
-    steps = [added, *without_spares(added.after, term.id, tests, provenance=provenance, progress=progress)]
+    steps = [added, *without_spares(added.after, term.id, tests, provenance=provenance, progress=workers.tell)]
     law = steps[-1].after
     energy = passive(law, file)
     if not energy.passed:

@@ -14,7 +14,8 @@ from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, Fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.law import (
     MetricComparison,
@@ -26,7 +27,7 @@ from pipeclamp_identification.metrics_only.law import (
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Progress, Workers, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
 from pipeclamp_models.law.law import BASE_LAW, Structure
@@ -138,13 +139,12 @@ class MetricTests:
         *,
         declared: Collection[Declaration] = (),
         limits: Limits | None = None,
-        jobs: int = 1,
-        progress: Progress = silent,
+        workers: Workers = ALONE,
     ) -> MetricDiagnosed:
         """Find which effect a law lacks, see `Tests.diagnose`; so few numbers need one process only."""
         from pipeclamp_identification.metrics_only.diagnosed import metrics_diagnosed
 
-        return metrics_diagnosed(file, self.campaign, declared=declared, limits=limits, progress=progress)
+        return metrics_diagnosed(file, self.campaign, declared=declared, limits=limits, progress=workers.tell)
 
     def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
         """Two numbers a run are too few to take effects out again by."""

@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.observations import LoopObservations, loop
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Progress, Workers, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 from pipeclamp_models.law.law import BASE_LAW, Law, Structure
@@ -210,8 +210,7 @@ class RecordTests:
         *,
         declared: Collection[Declaration] = (),
         limits: Limits | None = None,
-        jobs: int = 1,
-        progress: Progress = silent,
+        workers: Workers = ALONE,
     ) -> RecordDiagnosed:
         """Find which effect a law lacks, see `Tests.diagnose`."""
         from pipeclamp_identification.diagnosis.diagnosed import diagnosed
@@ -220,7 +219,7 @@ class RecordTests:
             return self._prepared_for(structure_of(file).with_declared(declared), law_of(file).values)
 
         return diagnosed(
-            file, self.sines, self.loops, declared=declared, limits=limits, jobs=jobs, progress=progress,
+            file, self.sines, self.loops, declared=declared, limits=limits, workers=workers,
             prepared=prepared,
         )  # fmt: skip
 

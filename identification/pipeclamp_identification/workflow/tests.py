@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pipeclamp_identification.diagnosis.named import Naming
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.progress import ALONE, Progress, Workers, silent
 from pipeclamp_models.law.law import BASE_LAW, Structure
 from pipeclamp_models.law.step import BeforeAfter
 
@@ -195,8 +195,7 @@ class Tests(Protocol):
         *,
         declared: Collection[Declaration] = (),
         limits: Limits | None = None,
-        jobs: int = 1,
-        progress: Progress = silent,
+        workers: Workers = ALONE,
     ) -> Diagnosed:
         """Find which effect a law lacks, or which test would tell.
 
@@ -204,8 +203,7 @@ class Tests(Protocol):
             file: the law.
             declared: a user's own effects: candidates too.
             limits: what the rig can do, for the next test.
-            jobs: processes; -1 for as many as there are cores.
-            progress: is told what is being done.
+            workers: who does it, and who is told.
 
         Raises:
             UserError: the tests can't serve the law.

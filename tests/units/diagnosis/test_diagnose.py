@@ -27,7 +27,7 @@ from pipeclamp_identification.diagnosis.revision import ask_again, better_struct
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
-from pipeclamp_identification.fitting.least_squares import starting_points
+from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.observations import SAMPLES_PER_CYCLE, points_enough
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow import on_records

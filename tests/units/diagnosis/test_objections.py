@@ -8,7 +8,9 @@ import numpy as np
 from pipeclamp_identification.campaign.bundled import campaign_folder
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.diagnosis.problem import objections, reservations, without_essence
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points, unfitted
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.joint.points import starting_points
+from pipeclamp_identification.fitting.least_squares import unfitted
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Structure

@@ -14,7 +14,7 @@ from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import Guard
 from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_identification.workflow.tests import silent
+from pipeclamp_models.base.progress import ALONE
 from pipeclamp_models.law.law import Law, Structure, with_effect
 
 BASE = {
@@ -47,7 +47,7 @@ def asked(request, tmp_path_factory):
 
 def test_what_is_needed_beside_a_term_comes_back(asked):
     """What stood for it was added before and after what is real: no number of last effects holds it alone."""
-    back = list(with_needed_back(asked.found, asked.effects, asked.law, asked.problem, 1, silent))
+    back = list(with_needed_back(asked.found, asked.effects, asked.law, asked.problem, ALONE))
     first = [(one.gone, one.law.result.law.structure.effects) for one in back][:1]
     assert first == ([(STANDS_FOR_IT, (REAL,))] if asked.real else [])
     assert not {one.gone for one in back} & {one.gone for one in without_last_effects(asked.law, asked.problem)}
@@ -64,7 +64,7 @@ def test_a_term_is_sought_in_the_place_of_what_is_not_needed_beside_it(asked):
             term, asked.found, asked.law, (), "", (Guard("", basis.gone == STANDS_FOR_IT, ""),), basis.gone
         )
 
-    passed = in_the_place_of_effects(asked.law, asked.problem, search, 1, silent)
+    passed = in_the_place_of_effects(asked.law, asked.problem, search, ALONE)
     assert [one.gone for one in passed] == [STANDS_FOR_IT]
     last = [asked.effects[-count:] for count in range(1, len(asked.effects) + 1)]
     assert places == [*last, *([STANDS_FOR_IT] if asked.real else [])]

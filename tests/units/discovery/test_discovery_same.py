@@ -11,7 +11,7 @@ from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis import problem
 from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.fitting.identify import identify, law_file
-from pipeclamp_identification.workflow.tests import silent
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Law, Structure
@@ -43,7 +43,7 @@ def tests(tmp_path_factory):
 
 def found_in(campaign, jobs=1):
     law = law_file(identify(campaign), campaign, name="law", provenance=Provenance("same"))
-    return search(law, campaign, jobs=jobs, progress=silent)
+    return search(law, campaign, workers=Workers(jobs))
 
 
 @pytest.fixture(scope="module")

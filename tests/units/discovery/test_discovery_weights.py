@@ -16,6 +16,7 @@ from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, refitted
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.weights import weighed_by
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.base.progress import ALONE
 from pipeclamp_models.law.law import Law, Structure, with_effect
 
 BASE = {
@@ -81,7 +82,7 @@ def test_forms_of_a_term_that_does_worse_are_tried_too(hearing, monkeypatch):
     monkeypatch.setattr(refining, "refinements", lambda term, *given: asked.append(term.declaration.id) or iter(()))
     monkeypatch.setattr(refining, "joined", lambda *given: pytest.fail("no second term may be joined"))
     monkeypatch.setattr(refining, "may_join", lambda one, other: False)
-    assert Refining((("A", "f"), {}), 1, lambda words: None)._one_more(square, hearing) is None
+    assert Refining((("A", "f"), {}), ALONE)._one_more(square, hearing) is None
     assert asked == [SQUARE, LINEAR, ELSE]
 
 
@@ -92,5 +93,5 @@ def test_forms_of_a_term_that_a_bound_stops_are_tried_too(hearing, monkeypatch):
     monkeypatch.setattr(refining, "refinements", lambda term, *given: asked.append(term.declaration.id) or iter(()))
     monkeypatch.setattr(refining, "may_join", lambda one, other: False)
     stopped = replace(hearing, refitted=[square], stopped=[linear])
-    assert Refining((("A", "f"), {}), 1, lambda words: None)._one_more(square, stopped) is None
+    assert Refining((("A", "f"), {}), ALONE)._one_more(square, stopped) is None
     assert asked == [SQUARE, LINEAR]

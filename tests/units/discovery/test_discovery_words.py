@@ -10,6 +10,7 @@ from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.discover import TermSearch
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.proposal import TermProposal, formula_of
+from pipeclamp_models.base.progress import ALONE
 
 
 def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():
@@ -66,6 +67,6 @@ def test_who_can_not_tell_two_causes_apart_is_told_a_way_on(monkeypatch, verdict
     found = SimpleNamespace(verdict=verdict, kind="cause", effects=causes)
     monkeypatch.setattr(discover, "diagnosed", lambda *given, **options: found)
     monkeypatch.setattr(discover, "condition_groups", lambda loops: np.arange(12))
-    reason = discover.search(None, None, SimpleNamespace(rows=()), progress=lambda words: None).reason
+    reason = discover.search(None, None, SimpleNamespace(rows=()), workers=ALONE).reason
     assert told in reason
     assert untold not in reason

@@ -8,7 +8,7 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.fitting.beforehand import close_to_a_bound, steps_over_a_bound
+from pipeclamp_identification.fitting.joint.beforehand import close_to_a_bound, steps_over_a_bound
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeclamp_identification.fitting.starts import MOST_STARTS, Linearised, combined, most_promising, sized
+from pipeclamp_identification.fitting.joint.starts import MOST_STARTS, Linearised, combined, most_promising, sized
 
 CHOICES = [[{name: float(value)} for value in range(count)] for name, count in (("a", 4), ("b", 1), ("c", 5), ("d", 3))]
 BEST = {"a": 2.0, "b": 0.0, "c": 3.0, "d": 1.0}

@@ -7,7 +7,7 @@ from few_effects import few_effects
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.fitting.identify import identify, law_file
-from pipeclamp_identification.fitting.starts import kept
+from pipeclamp_identification.fitting.joint.starts import kept
 from pipeclamp_identification.workflow.change import add_effects
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.law.file import Provenance

@@ -7,7 +7,7 @@ import shlex
 import numpy as np
 import pytest
 
-from pipeclamp_identification.importing.columns import (
+from pipeclamp_identification.importing.channels.columns import (
     map_columns,
     parse_columns,
     refuse_open_questions,

@@ -12,11 +12,11 @@ from exports import Loop, assert_same_campaign, loop, text
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
-from pipeclamp_identification.importing.mapping import MappedFile, mapped_tables
+from pipeclamp_identification.importing.channels.mapping import MappedFile, mapped_tables
+from pipeclamp_identification.importing.channels.traces import without_wrong_stamps
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.reading import SourceFile
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened
-from pipeclamp_identification.importing.traces import without_wrong_stamps
 
 RUN = loop(0.5, 2.0, cycles=10)
 PLAIN = {"header": "", "decimal": ".", "scales": (1, 1, 1)}

@@ -13,8 +13,8 @@ from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, RIDDEN
-from pipeclamp_identification.importing import taking
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
+from pipeclamp_identification.importing.records import taking
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.repair import evened, without_spikes
 from pipeclamp_identification.importing.samples.split import irregular, split

@@ -12,8 +12,10 @@ from banded import SPREAD, banded
 from pipeclamp.show.narrowing import beyond_words
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
+from pipeclamp_identification.planning.band_plan import Map
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
-from pipeclamp_identification.planning.narrowing import WORTH_SHARE, Map, plan_tests
+from pipeclamp_identification.planning.narrowing import plan_tests
+from pipeclamp_identification.planning.narrowing_search import WORTH_SHARE
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
@@ -114,9 +116,19 @@ def test_the_band_is_the_responses_and_narrows(tmp_path, spread):
         assert first.amplitude.shares["form"] > 0.5
 
 
-def test_limits_that_no_test_keeps_are_refused(tmp_path):
-    with pytest.raises(UsageError, match="no sine test keeps all of"):
-        plan_tests(banded(tmp_path, 1.0), parse_limits("A=1..2,f=5..6,v=..1"))
+@pytest.mark.parametrize(
+    ("limits", "at", "said"),
+    [
+        ("A=1..2,f=5..6,v=..1", None, "no sine test keeps all of A=1..2,f=5..6"),
+        ("F=..0.001", None, "no sine test keeps all of"),
+        ("A=0.02..1", "top", "--at: clamp or probe 'top' is not known"),
+    ],
+)
+def test_what_cannot_serve_is_refused_before_the_response_is_computed(tmp_path, limits, at, said):
+    told = []
+    with pytest.raises(UsageError, match=said):
+        plan_tests(banded(tmp_path, 1.0), parse_limits(limits), at=at, progress=told.append)
+    assert told == []
 
 
 def test_a_peak_beyond_the_tests_is_said():

@@ -14,8 +14,8 @@ from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.run_scatter import directions, of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.fitting.beforehand import parameter_bounds
-from pipeclamp_identification.fitting.least_squares import DENIED, HELD, WISHED
+from pipeclamp_identification.fitting.joint.beforehand import parameter_bounds
+from pipeclamp_identification.fitting.joint.not_fitted import DENIED, HELD, WISHED
 from pipeclamp_identification.fitting.observations import (
     SAMPLES_PER_CYCLE,
     data_scales,

@@ -21,7 +21,8 @@ from pipeclamp_identification.diagnosis.left_out import DISAGREE_LIKELIHOOD
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, number_levels
 from pipeclamp_models.base.arrays import IntArray

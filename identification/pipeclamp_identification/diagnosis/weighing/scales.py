@@ -12,7 +12,7 @@ from pipeclamp_identification.diagnosis.weighing.channel import BentChannel, ben
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, explains, may_be_form
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
@@ -47,7 +47,7 @@ class Scales:
         law: the law as it is, refitted.
         candidates: every effect that was fitted, best first.
         tolerance: lack of fit that is let pass.
-        jobs, tell: as for `verdict.diagnose`.
+        workers: who does it, and who is told.
     """
 
     structure: Structure
@@ -55,8 +55,7 @@ class Scales:
     law: Judged
     candidates: Sequence[Judged]
     tolerance: Tolerance
-    jobs: int
-    tell: Progress
+    workers: Workers
 
     @property
     def form_allowed(self) -> bool:

@@ -34,7 +34,7 @@ from pipeclamp_identification.diagnosis.weighing.reasons import (
 from pipeclamp_identification.diagnosis.weighing.rivals import rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed, nothing_named
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.progress import Workers
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure
 
@@ -45,12 +45,11 @@ def weigh(
     law: Judged,
     candidates: Sequence[Judged],
     tolerance: Tolerance,
-    jobs: int,
-    tell: Progress,
+    workers: Workers,
     differing: Unstated | None = None,
 ) -> Weighed:
     """Weigh the candidates; arguments as in `Scales`, and what differs between runs at the same stated conditions."""
-    scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
+    scales = Scales(structure, problem, law, candidates, tolerance, workers)
     if differing is None:
         return _weighed(scales, causes=True)
     if differing.is_most:
@@ -111,13 +110,13 @@ def _two_or_a_part(scales: Scales, sound: Sequence[Judged]) -> tuple[Weighed | N
     rivals = rivals_of(able[0], able, problem) if able else []
     in_pairs = sound and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
     ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
-    promises = screened(structure, problem, scales.law, scales.tell, ids)
+    promises = screened(structure, problem, scales.law, scales.workers.tell, ids)
     pair: Judged | None = None
     found: Weighed | None = None
     if sound:
-        scales.tell("two effects together")
+        scales.workers.tell("two effects together")
         seconds = promises if in_pairs else ()
-        both = pairs(structure, problem, scales.law, sound, scales.usable, seconds, scales.jobs, scales.tell)
+        both = pairs(structure, problem, scales.law, sound, scales.usable, seconds, scales.workers)
         pair = both[0] if both else None
         found = _cause_of_two(both, sound, scales)
         if found is None and outdoes(pair, able, scales):
@@ -131,7 +130,7 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     weighed = cause_of_two(found, sound, scales)
     if weighed is None or weighed.kind != "cause":
         return weighed
-    like = twins(found[0], scales.structure, scales.problem, scales.candidates, scales.jobs, scales.tell)
+    like = twins(found[0], scales.structure, scales.problem, scales.candidates, scales.workers)
     found = ranked([*found, *(each for each in like if each.may_be_cause)])
     return unless_another_does(cause_of_two(found, sound, scales) or weighed, like)
 

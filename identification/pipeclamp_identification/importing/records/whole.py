@@ -7,20 +7,16 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from pipeclamp_identification.campaign.description import (
-    CampaignDescription,
-    Imported,
-    read_description,
-)
+from pipeclamp_identification.campaign.description import CampaignDescription, Imported, read_description
 from pipeclamp_identification.campaign.judging import judge_runs
 from pipeclamp_identification.campaign.reading import seen_in
 from pipeclamp_identification.campaign.runs_table import RunRow, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord
-from pipeclamp_identification.importing.importer import plan_import
 from pipeclamp_identification.importing.plan import ImportPlan
 from pipeclamp_identification.importing.reading import files_in
 from pipeclamp_identification.importing.records.imported import ImportedRecords
 from pipeclamp_identification.importing.records.looked_at import looked_at
+from pipeclamp_identification.importing.records.planner import plan_import
 from pipeclamp_identification.importing.request import ImportRequest
 from pipeclamp_identification.importing.writing import (
     existing_campaign,

@@ -7,7 +7,7 @@ import re
 import unicodedata
 from collections.abc import Mapping
 
-from pipeclamp_identification.importing.naming import SETTINGS_CALLED, rank, unit_of, words_of
+from pipeclamp_identification.importing.channels.naming import SETTINGS_CALLED, rank, unit_of, words_of
 from pipeclamp_identification.importing.raw import Channel
 from pipeclamp_identification.units.stated import Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UserError

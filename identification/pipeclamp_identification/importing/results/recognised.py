@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeclamp_identification.importing.columns import Stated, channel_named
-from pipeclamp_identification.importing.naming import rank, unit_of
+from pipeclamp_identification.importing.channels.columns import Stated, channel_named
+from pipeclamp_identification.importing.channels.naming import rank, unit_of
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.quantities import LOSSES, STIFFNESSES, TARGETS, quantity_of, turned
 from pipeclamp_identification.units.stated import conversion

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.importing.columns import Stated, channel_named, columns_option, listed
-from pipeclamp_identification.importing.naming import unit_of
-from pipeclamp_identification.importing.questions import NONE
+from pipeclamp_identification.importing.channels.columns import Stated, channel_named, columns_option, listed
+from pipeclamp_identification.importing.channels.naming import unit_of
+from pipeclamp_identification.importing.channels.questions import NONE
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.quantities import (
     AMPLITUDES,

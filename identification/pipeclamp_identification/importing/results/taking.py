@@ -6,14 +6,21 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
-from pipeclamp_identification.importing.columns import listed
+from pipeclamp_identification.importing.channels.columns import listed
+from pipeclamp_identification.importing.channels.mapping import where_of
+from pipeclamp_identification.importing.channels.naming import names_specimen
 from pipeclamp_identification.importing.conditions import Settings, name_in, of_properties, settings_of
-from pipeclamp_identification.importing.mapping import where_of
-from pipeclamp_identification.importing.naming import names_specimen
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, stem_of
 from pipeclamp_identification.importing.results.recognised import frequency_of_results
-from pipeclamp_identification.importing.results.rows import LOSS, STORAGE, ResultRow, left_out_words, result_rows
+from pipeclamp_identification.importing.results.rows import (
+    LOSS,
+    STORAGE,
+    ResultRow,
+    ResultRows,
+    left_out_words,
+    result_rows,
+)
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.signals.digits import rounded_to
@@ -64,52 +71,76 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
             "; expected such a table, or another campaign (-o) for records of tests",
         )  # fmt: skip
     stem = stem_of(source.path)
+    stated = _stated_settings(source, stem, options)
     columns: dict[str, ImportedColumn] = {}
     rows: list[tuple[Row, ImportedRun]] = []
     cut: list[ImportedCut] = []
-    told: list[str] = []
     aside = [repr(table.name) for table in source.tables if not any(table is one for one in tables)]
-    if aside:
-        told.append(f"left aside, for they hold no results: {listed(aside)}")
-    taken = set(names)
-    stated = _stated_settings(source, stem, options)
+    told = [f"left aside, for they hold no results: {listed(aside)}"] if aside else []
     for table in tables:
-        own = _own_settings(table)
-        try:
-            found = result_rows(table, options.columns, (*own, *stated))
-        except UsageError:
-            raise
-        except UserError as error:
-            raise UserError(f"{where_of(source, table)}: {error}") from error
-        columns |= {
-            one.quantity: ImportedColumn(
-                channel=one.channel.heading, unit=one.unit, factor=one.conversion.factor,
-                offset=one.conversion.offset, stated=one.stated,
-            )
-            for one in found.columns
-        }  # fmt: skip
-        told += [*found.notes, *left_out_words(found.left_out, table.length)]
-        unread = [one for one in table.unread if not (one.is_whole and names_specimen(one.name))]
-        told += [f"{one.words()}; such cells count as blank" for one in unread]
-        if found.unused:
-            told.append(f"not used: {listed([*map(repr, found.unused)])}")
-        if table.above and "temperature_C" not in stated and "temperature" not in columns:
-            told.append(table.above.words)
-        name = _free_name(f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem, table, taken)
-        digits = len(str(table.length))
-        for place, row in enumerate(found.rows, 1):
-            run = f"{name}_{place:0{digits}d}"
-            taken.add(run)
-            where = {"file": source.name, "table": table.name, "samples": (row.row, row.row)}
-            specimen = _specimen_in(table, row.row)
-            known = own | ({"specimen": specimen} if specimen else {}) | _measured(row) | stated
-            rows.append(({"run": run, **known, **_stiffness(row)}, ImportedRun.model_validate({"run": run, **where})))
+        found = _found_in(source, table, options, stated)
+        columns |= _columns_of(found)
+        told += _told_of(found, table, temperature_known="temperature_C" in stated or "temperature" in columns)
+        own = f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem
+        name = _free_name(own, table, {*names, *(run.run for _, run in rows)})
+        rows += _rows_of(found, table, name, source.name, stated)
         cut += [
             ImportedCut(file=source.name, table=table.name, samples=(first, last), why=why)
             for first, last, why in _joined(found.left_out)
         ]
     file = ImportedFile(file=source.name, sha256=sha256, format=source.format, columns=columns)
     return TakenResults(file, stem, tuple(rows), tuple(cut), tuple(told))
+
+
+def _found_in(source: SourceFile, table: RawTable, options: Options, stated: Settings) -> ResultRows:
+    """Give the results of a table, beside what is stated of them.
+
+    Raises:
+        UserError: what a column is, is open; it names the table.
+    """
+    try:
+        return result_rows(table, options.columns, (*_own_settings(table), *stated))
+    except UsageError:
+        raise
+    except UserError as error:
+        raise UserError(f"{where_of(source, table)}: {error}") from error
+
+
+def _columns_of(found: ResultRows) -> dict[str, ImportedColumn]:
+    return {
+        one.quantity: ImportedColumn(
+            channel=one.channel.heading, unit=one.unit, factor=one.conversion.factor,
+            offset=one.conversion.offset, stated=one.stated,
+        )
+        for one in found.columns
+    }  # fmt: skip
+
+
+def _told_of(found: ResultRows, table: RawTable, *, temperature_known: bool) -> list[str]:
+    """Say what to know of a table; of a temperature above it, unless another is known."""
+    told = [*found.notes, *left_out_words(found.left_out, table.length)]
+    unread = [one for one in table.unread if not (one.is_whole and names_specimen(one.name))]
+    told += [f"{one.words()}; such cells count as blank" for one in unread]
+    if found.unused:
+        told.append(f"not used: {listed([*map(repr, found.unused)])}")
+    if table.above and not temperature_known:
+        told.append(table.above.words)
+    return told
+
+
+def _rows_of(
+    found: ResultRows, table: RawTable, name: str, file: str, stated: Settings
+) -> list[tuple[Row, ImportedRun]]:
+    """Give rows of runs.csv, and where each is from: a table of a file, whose tests are named so."""
+    own, digits = _own_settings(table), len(str(table.length))
+    rows: list[tuple[Row, ImportedRun]] = []
+    for place, row in enumerate(found.rows, 1):
+        run = f"{name}_{place:0{digits}d}"
+        specimen = _specimen_in(table, row.row)
+        known = own | ({"specimen": specimen} if specimen else {}) | _measured(row) | stated
+        source = ImportedRun(run=run, file=file, table=table.name, samples=(row.row, row.row))
+        rows.append(({"run": run, **known, **_stiffness(row)}, source))
+    return rows
 
 
 def _own_settings(table: RawTable) -> Settings:
@@ -129,7 +160,7 @@ def _stated_settings(source: SourceFile, stem: str, options: Options) -> Setting
     return {column: value for column, value in stated.items() if column not in ("run", "file")}
 
 
-def _free_name(own: str, table: RawTable, taken: set[str]) -> str:
+def _free_name(own: str, table: RawTable, taken: Collection[str]) -> str:
     """Give what a table's tests are named by, so that none of them is called as one that is there."""
     digits, candidate, number = len(str(table.length)), own, 1
     while any(f"{candidate}_{place:0{digits}d}" in taken for place in range(1, table.length + 1)):

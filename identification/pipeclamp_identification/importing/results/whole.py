@@ -14,9 +14,9 @@ from pipeclamp_identification.campaign.description import (
     read_description,
 )
 from pipeclamp_identification.campaign.runs_table import FILE_NAME, read_runs_table
-from pipeclamp_identification.importing.columns import listed
+from pipeclamp_identification.importing.channels.columns import listed
 from pipeclamp_identification.importing.conditions import guessed_pattern
-from pipeclamp_identification.importing.importer import left_out_files
+from pipeclamp_identification.importing.left_out import left_out_files
 from pipeclamp_identification.importing.reading import Contents, digest_of, files_in, read_file
 from pipeclamp_identification.importing.request import ImportRequest
 from pipeclamp_identification.importing.results.imported import ImportedResults

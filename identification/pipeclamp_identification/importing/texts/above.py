@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.importing.naming import ENDINGS, OTHERS, WORDS, words_of
+from pipeclamp_identification.importing.channels.naming import ENDINGS, OTHERS, WORDS, words_of
 from pipeclamp_identification.importing.raw import Above
 from pipeclamp_identification.units.stated import conversion, quantity_of_unit, unit_in_name
 from pipeclamp_models.base.units import CELSIUS

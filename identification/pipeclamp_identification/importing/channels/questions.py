@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.importing.naming import (
+from pipeclamp_identification.importing.channels.naming import (
     SEGMENT,
     fits_unit,
     is_count,

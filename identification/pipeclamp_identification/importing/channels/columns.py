@@ -8,8 +8,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from pipeclamp_identification.importing.naming import SEGMENT, condition_name, is_measured, unit_of
-from pipeclamp_identification.importing.questions import NONE, Choice, Question, find
+from pipeclamp_identification.importing.channels.naming import SEGMENT, condition_name, is_measured, unit_of
+from pipeclamp_identification.importing.channels.questions import NONE, Choice, Question, find
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pipeclamp_identification.importing.columns import (
+from pipeclamp_identification.importing.channels.columns import (
     ContradictedUnitError,
     Mapped,
     Stated,
     map_columns,
     refuse_open_questions,
 )
-from pipeclamp_identification.importing.naming import rank
-from pipeclamp_identification.importing.rates import by_own_times, joined_rates
+from pipeclamp_identification.importing.channels.naming import rank
+from pipeclamp_identification.importing.channels.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
 from pipeclamp_identification.importing.results.recognised import frequency_of_results, results_words

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeclamp_identification.importing.columns import Column, listed, map_columns
-from pipeclamp_identification.importing.naming import rank
+from pipeclamp_identification.importing.channels.columns import Column, listed, map_columns
+from pipeclamp_identification.importing.channels.naming import rank
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_models.base.arrays import Array
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.importing.columns import Column, columns_option
-from pipeclamp_identification.importing.naming import SEGMENT
+from pipeclamp_identification.importing.channels.columns import Column, columns_option
+from pipeclamp_identification.importing.channels.naming import SEGMENT
 from pipeclamp_identification.importing.raw import LabelColumn, RawTable
 from pipeclamp_identification.importing.samples.codes import without_codes
 from pipeclamp_identification.importing.samples.repair import mended_channel

@@ -1,0 +1,46 @@
+"""Parameters that a fit leaves alone, each with the reason."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeclamp_identification.fitting.observations import Observations
+from pipeclamp_identification.signals.levels import count_levels
+from pipeclamp_models.law.law import Equations, Structure, find_base
+
+HELD = "held by the law's structure"
+WISHED = "held by wish"
+DENIED = "at rest before the tests there is no such force"
+
+
+def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
+    """Give the parameters that the data can't determine, with the reason.
+
+    Nothing uses them, their condition doesn't vary, or they make a constant force, which forces at rest deny.
+    """
+    reasons: dict[str, str] = {}
+    for parameter in equations.parameters:
+        if not parameter.used:
+            reasons[parameter.name] = "the law has nothing that it scales"
+            continue
+        if parameter.at_rest and observations.deny_constant_force:
+            reasons[parameter.name] = DENIED
+            continue
+        for signal in parameter.follows:
+            values = observations.motion.slow.get(signal)
+            if signal in observations.motion.assumed:
+                reasons[parameter.name] = f"{signal} isn't known"
+            elif values is None or not np.all(np.isfinite(values)):
+                reasons[parameter.name] = f"{signal} isn't known in every run"
+            elif (count := count_levels(signal, values)) < parameter.levels:
+                reasons[parameter.name] = (
+                    f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
+                )
+    return reasons
+
+
+def not_fitted(structure: Structure, equations: Equations, observations: Observations) -> dict[str, str]:
+    """Give the parameters that aren't fitted, with the reason: held by the base's form, by wish, or undetermined."""
+    fixed = find_base(structure.base).fixed
+    held = {name: HELD if fixed.get(name) == value else WISHED for name, value in structure.held().items()}
+    return {**undetermined(equations, observations), **{name: held[name] for name in held if name in equations.names}}

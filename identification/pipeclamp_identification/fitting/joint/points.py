@@ -1,0 +1,102 @@
+"""Points that a fit may start from, each effect as large as the data ask for, and a law linearised there."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remembered, smoothing_of
+from pipeclamp_identification.fitting.joint.not_fitted import undetermined
+from pipeclamp_identification.fitting.joint.starts import Linearised, Values, combined, sized, starts_of_effects
+from pipeclamp_identification.fitting.observations import Observations, data_scales
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.units import grows_with_force
+from pipeclamp_models.law.law import Structure, scaled_in
+from pipeclamp_models.law.outline import Sizes
+
+
+def starting_points(
+    structure: Structure, observations: Observations, given: Mapping[str, float]
+) -> list[dict[str, float]]:
+    """Give the points that a fit starts from, each effect's in combination; see `fit`."""
+    return combined(starts_by_effect(structure, given, data_scales(observations)))
+
+
+def starts_by_effect(structure: Structure, given: Mapping[str, float], scales: Sizes) -> list[list[Values]]:
+    """Give the points that each effect starts from: given values, the effect's own starts, or both; see `fit`."""
+    equations = structure.equations
+    stated = starts_of_effects(equations, given, scales)
+    new = {parameter.effect for parameter in equations.parameters if parameter.name not in given}
+    if not new or not given:  # then no effect has to be looked up, which loads the mathematics
+        return stated
+    scaled = set().union(*(scaled_in(structure, effect) for effect in structure.all_effects() if effect.name in new))
+    anew = {name: value for name, value in given.items() if name not in scaled}
+    return [
+        [*points, *(point for point in own if point not in points)]
+        for points, own in zip(stated, starts_of_effects(equations, anew, scales), strict=True)
+    ]
+
+
+def sized_start(
+    structure: Structure, observations: Observations, start: Mapping[str, float], known: Collection[str]
+) -> Mapping[str, float]:
+    """Give a start with each effect that isn't known as large as the data ask for; see `sized`.
+
+    Args:
+        structure: the law's structure.
+        observations: what is fitted.
+        start: a value for each parameter.
+        known: names of the parameters whose values are known.
+    """
+    of_effects = _unsized(structure, observations, known)
+    return sized(start, linearised(structure, observations, start), known, of_effects) if of_effects else start
+
+
+def sized_and_linearised(
+    structure: Structure, observations: Observations, start: Mapping[str, float], known: Collection[str]
+) -> tuple[Mapping[str, float], Linearised]:
+    """Give a start with each effect that isn't known as large as the data ask for, and the law linearised there.
+
+    Arguments as for `sized_start`.
+    """
+    there = linearised(structure, observations, start)
+    of_effects = _unsized(structure, observations, known)
+    larger = sized(start, there, known, of_effects) if of_effects else start
+    return (start, there) if larger == start else (larger, linearised(structure, observations, larger))
+
+
+def _unsized(structure: Structure, observations: Observations, known: Collection[str]) -> list[list[str]]:
+    """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others.
+
+    Where the residuals aren't linear in the force, one step doesn't tell how large it is: none then.
+    """
+    if not observations.are_linear:
+        return []
+    held = structure.held()
+    found = []
+    for _, group in itertools.groupby(structure.equations.parameters, key=lambda parameter: parameter.effect):
+        parameters = [one for one in group if one.name not in known and one.name not in held]
+        sizes = [one.name for one in parameters if grows_with_force(one.unit)]
+        if sizes and len(parameters) > 1:  # the size of a single one is a fit's first step
+            found.append(sizes)
+    return found
+
+
+def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:
+    """Give a law's residuals at a point, linearised.
+
+    Args:
+        structure: the law's structure.
+        observations: what it would be fitted to.
+        values: the point, a value for each parameter.
+    """
+    equations = structure.equations
+    out = set(structure.held()) | set(undetermined(equations, observations))
+    free = np.array([index for index, name in enumerate(equations.names) if name not in out], dtype=np.intp)
+    begin = np.array([structure.held().get(name, values[name]) for name in equations.names])
+    evaluator = Evaluator(Remembered(observations, equations, smoothing_of(observations)), begin, free)
+    with one_thread():
+        residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
+    return Linearised(tuple(equations.names[index] for index in free), residual, jacobian)

@@ -1,0 +1,177 @@
+"""A piece of a table becomes drafts of runs: cut at levels, repaired, looked at, and written."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_identification.campaign.clipping import check_clipping
+from pipeclamp_identification.campaign.cycles import find_cycles
+from pipeclamp_identification.campaign.faults import SensorFailure
+from pipeclamp_identification.campaign.free_motion import free_motion
+from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
+from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_sine
+from pipeclamp_identification.campaign.writing import Format, encoded
+from pipeclamp_identification.importing.channels.columns import Column
+from pipeclamp_identification.importing.channels.traces import Trace, moved_words, trace_of
+from pipeclamp_identification.importing.raw import RawTable
+from pipeclamp_identification.importing.records.drafts import CutPart, Draft, TakenPart
+from pipeclamp_identification.importing.samples.blanks import without_blanks
+from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
+from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
+from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, unsteady
+from pipeclamp_identification.importing.samples.untimed import laid_out
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.tables import pl
+
+BLANK = "blank samples, and what lies behind them"
+"""Why a part of a run isn't in it."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Rows of a table between two that surely part runs.
+
+    Attributes:
+        where: names the table in errors.
+        table: these rows of it.
+        begin: rows before them.
+        label: of them, in the column of texts that tells runs apart.
+        record: path of the records' files, to which a number and an ending are added.
+        timed: whether its time was measured.
+        stretches: that a picture of it is thinned out to.
+    """
+
+    where: str
+    table: RawTable
+    columns: tuple[Column, ...]
+    rate: float | None
+    timed: bool
+    begin: int
+    label: str
+    record: Path
+    format: Format
+    stretches: int
+
+
+def take_piece(piece: Piece) -> TakenPart | UserError:
+    """Take a piece of a table; a mistake of the user's is given, not raised, so that the first one is told first."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of numbers that a check refuses
+            return _taken_piece(piece)
+    except UserError as error:
+        return error
+
+
+def _taken_piece(piece: Piece) -> TakenPart:
+    trace = trace_of(piece.where, piece.table, piece.columns, piece.rate, piece.begin)
+    y = trace.motion
+    if np.count_nonzero(np.isfinite(y)) < 2:
+        rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1
+        nowhere = CutPart(rows, (0.0, 0.0), "no samples of displacement")
+        return TakenPart((), 0, (nowhere,), np.empty(0), np.empty((0, 2)))
+    found = levels(trace.record.time_s, y)
+    drafts: list[Draft] = []
+    left = list(found.left)
+    for part in found.runs:
+        try:
+            record = piece.record.with_name(f"{piece.record.name}_{len(drafts):03d}.{piece.format}")
+            draft, cut_off = _draft(piece, trace, part, record)
+            drafts.append(draft)
+            left += cut_off
+        except UnusableRecord as fault:
+            left.append(replace(part, why=str(fault)))
+    cut = tuple(
+        CutPart(_samples(piece.table, trace, part), _span(trace, part), part.why)
+        for part in sorted(left, key=lambda part: part.first)
+    )
+    edges = np.unique(np.linspace(0, len(y), min(piece.stretches, len(y)) + 1).astype(np.intp))
+    thinned = np.stack([np.minimum.reduceat(y, edges[:-1]), np.maximum.reduceat(y, edges[:-1])], axis=1)
+    return TakenPart(tuple(drafts), len(found.runs), cut, trace.record.time_s[edges[:-1]], thinned)
+
+
+def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[Draft, list[SampleRange]]:
+    """Give a part as a run, its record written, and what of the part isn't in it.
+
+    Raises:
+        UnusableRecord: it can't be one.
+    """
+
+    def row(sample: int) -> int:
+        return int(trace.places[part.first + sample]) + piece.table.first_row
+
+    whole = without_blanks(trace.record.part(part.first, part.last), row)
+    kept = SampleRange(part.first + whole.first, part.first + whole.last)
+    check_samples(whole.record, lambda sample: row(whole.first + sample))
+    slow = at_own_rate(whole.record)
+    clean = without_spikes(slow.record)
+    repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
+    record, seen, words = _usable(repaired.record, piece.timed)
+    path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
+    known = record.temperature_C
+    further = {name: values[kept.first : kept.last] for name, values in trace.further.items()}
+    draft = Draft(
+        samples=_samples(piece.table, trace, kept),
+        span=_span(trace, kept),
+        record=path,
+        seen=seen,
+        done=(
+            *(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
+            *(moved for name, values in further.items() if (moved := moved_words(name, values))),
+        ),
+        further={name: _mean(values) for name, values in further.items()},
+        temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
+        label=piece.label,
+    )
+    beside = (SampleRange(part.first, kept.first, BLANK), SampleRange(kept.last, part.last, BLANK))
+    return draft, [one for one in beside if one.last > one.first]
+
+
+def _mean(values: Array) -> float:
+    """Give the mean of samples of which some may be blank; nan where all are."""
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite)) if len(finite) else math.nan
+
+
+def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str, ...]]:
+    """Give a record that can be used, what it shows, and what was cut out of it.
+
+    Raises:
+        UnusableRecord: it can't be.
+    """
+    try:
+        cycles = find_cycles(record)
+    except UnusableRecord as fault:
+        return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({fault}): it is free",)
+    words: tuple[str, ...] = ()
+    try:
+        # a sensor is clipped where it enters its end at speed, which nobody knows without a time
+        if timed:
+            check_clipping(record, cycles)
+    except SensorFailure as failure:
+        record, told = without_clipped_cycles(record, cycles, failure)
+        words = (told,)
+        cycles = find_cycles(record)
+        check_clipping(record, cycles)
+    if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):
+        if disorder := irregular(record.displacement_mm):
+            return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({disorder}): it is free",)
+        words = (*words, change)
+    return record, seen_sine(record, cycles), words
+
+
+def _samples(table: RawTable, trace: Trace, part: SampleRange) -> tuple[int, int]:
+    """Give the first and the last sample of a part as the file counts them."""
+    return (
+        int(trace.places[part.first]) + table.first_row,
+        int(trace.places[part.last - 1]) + table.first_row,
+    )
+
+
+def _span(trace: Trace, part: SampleRange) -> tuple[float, float]:
+    """Give a part's first and last time."""
+    return float(trace.record.time_s[part.first]), float(trace.record.time_s[part.last - 1])
