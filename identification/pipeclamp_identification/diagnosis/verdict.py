@@ -40,7 +40,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_NOISE_SHARE,
 )
 from pipeclamp_identification.diagnosis.weighing.causes import unless_at_one_condition
-from pipeclamp_identification.diagnosis.weighing.scales import Weighed
+from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_identification.fitting.identify import fit_structure
@@ -178,7 +178,7 @@ def diagnose(
         judged, screened_out = candidates(structure, problem, law, promises, workers)
         problem, law, judged = _by_the_best_ones_residuals(problem, law, judged, workers)
     differing = _unstated_beside(law, judged, problem)
-    found = weigh(structure, problem, law, judged, tolerance, workers, differing)
+    found = weigh(Scales(structure, problem, law, judged, tolerance, workers), differing)
     found = unless_at_one_condition(found, problem.loops)
     workers.tell("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)

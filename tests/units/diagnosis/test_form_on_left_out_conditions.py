@@ -11,6 +11,7 @@ from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.diagnosis.problem import Problem
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
+from pipeclamp_identification.diagnosis.weighing.scales import Scales
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_models.base.progress import ALONE
@@ -53,7 +54,7 @@ def weighed_for_form(errors, proved=True):
     lack = LackOfFit(1e-9, 0.6, 0.55, 0.65, np.array([(0.6 * NOISE) ** 2]))
     score = LeftOutScore(np.ones(RUNS), (errors * NOISE) ** 2 + scatter)
     law = SimpleNamespace(lack=lack, score=score)
-    return weigh(None, problem, law, [], Tolerance(0.1, 0.75, 0.75, proved), ALONE)
+    return weigh(Scales(None, problem, law, [], Tolerance(0.1, 0.75, 0.75, proved), ALONE))
 
 
 @pytest.mark.parametrize(("error", "verdict"), [(0.4, "complete"), (1.2, "unknown")])

@@ -42,6 +42,14 @@ def stand_in(monkeypatch, name, function):
 TOLERANCE = Tolerance(0.1, 0.1, 0.75)
 
 
+def on_scales(law, candidates, problem=None, tolerance=TOLERANCE):
+    return Scales(law.result.law.structure, problem, law, candidates, tolerance, Workers(1, print))
+
+
+def weighed(law, candidates, problem=None, tolerance=TOLERANCE):
+    return weigh(on_scales(law, candidates, problem, tolerance))
+
+
 @pytest.fixture(autouse=True)
 def straight(monkeypatch):
     """The force channel is straight, but where a test bends it."""
@@ -50,8 +58,7 @@ def straight(monkeypatch):
 
 def usable(*candidates):
     law = candidate("", 100.0, 1000.0)
-    scales = Scales(law.result.law.structure, None, law, candidates, TOLERANCE, Workers(1, print))
-    return [each.effects[0] for each in scales.usable]
+    return [each.effects[0] for each in on_scales(law, candidates).usable]
 
 
 @pytest.mark.parametrize(("general", "special"), [("inner_mass", "inertia"), ("gas_spring", "asymmetry")])
@@ -77,8 +84,7 @@ def test_a_special_case_that_takes_as_much_is_named_though_neither_explains_all(
     general, special = candidate("oil_damper", 7.0, 90.0), candidate("relaxation", left, 100.0)
     general.lack, special.lack = (SimpleNamespace(p_value=0.0, share=left, sure_share=left) for left in (0.7, 0.8))
     law = candidate("", 100.0, 1000.0)
-    scales = Scales(law.result.law.structure, None, law, (general, special), TOLERANCE, Workers(1, print))
-    assert ("oil_damper" in [each.effects[0] for each in scales.usable]) == named
+    assert ("oil_damper" in [each.effects[0] for each in on_scales(law, (general, special)).usable]) == named
 
 
 @pytest.mark.parametrize(("left", "named"), [(0.16, True), (0.05, False)])
@@ -89,8 +95,7 @@ def test_a_special_case_that_leaves_something_gives_way_to_what_explains(left, n
     special.lack = SimpleNamespace(p_value=0.0, share=left, sure_share=left)
     law = candidate("", 100.0, 1000.0)
     law.lack = SimpleNamespace(p_value=0.0, share=0.38, sure_share=0.37)
-    scales = Scales(law.result.law.structure, None, law, (general, special), TOLERANCE, Workers(1, print))
-    assert ("gas_spring" in [each.effects[0] for each in scales.usable]) == named
+    assert ("gas_spring" in [each.effects[0] for each in on_scales(law, (general, special)).usable]) == named
 
 
 def test_beside_what_it_only_acts_like():
@@ -112,7 +117,7 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
     law.lack = SimpleNamespace(p_value=0.0, share=1.7, sure_share=1.6)
     others = (hardening, gap)
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if near and one in others])
-    found = weigh(law.result.law.structure, None, law, [hardening, gap], TOLERANCE, Workers(1, print))
+    found = weighed(law, [hardening, gap])
     assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("gap",))
     assert ("hardening, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) != near
 
@@ -126,7 +131,7 @@ def test_a_bent_channel_is_a_rival_of_every_effect(akaike, expected, monkeypatch
     gap.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [])
     stand_in(monkeypatch, "bent_channel", lambda problem, law: BentChannel(200.0, -0.013, 1, 0.97, akaike))
-    found = weigh(law.result.law.structure, None, law, [gap], TOLERANCE, Workers(1, print))
+    found = weighed(law, [gap])
     assert (found.verdict, found.kind, found.effects) == expected
     words = "a force channel that gives 1.30% less of what lies beyond 200 N, in the positive direction, takes 97% of"
     assert (words in found.reasons[-1]) == (akaike < 110.0)
@@ -143,7 +148,7 @@ def test_what_does_no_better_than_the_law_as_it_is_explains_nothing(near, named,
     stand_in(monkeypatch, "screened", lambda *of: [])
     stand_in(monkeypatch, "pairs", lambda *of: [])
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
-    found = weigh(law.result.law.structure, None, law, [effect], TOLERANCE, Workers(1, print))
+    found = weighed(law, [effect])
     assert found.effects == named
 
 
@@ -163,7 +168,7 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(r
         monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
     )
     others = [special, rival][:rivals]
-    found = weigh(law.result.law.structure, None, law, [general, *others], TOLERANCE, Workers(1, print))
+    found = weighed(law, [general, *others])
     assert (found.verdict, found.kind) == ("ambiguous", "part")
     assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")[: 1 + rivals]
 
@@ -176,7 +181,7 @@ def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypat
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if one not in (best, law)])
-    found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, Workers(1, print))
+    found = weighed(law, [general, special, rival])
     assert (found.verdict, found.kind) == ("ambiguous", "cause")
     assert sorted(found.effects) == ["asymmetry", "gas_spring", "pressed_slip"]
 
@@ -188,7 +193,7 @@ def test_what_leaves_as_much_of_a_form_as_the_best_is_a_rival(left, names, monke
     for each, share in ((best, 0.3), (other, left), (law, 2.5)):
         each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
-    found = weigh(law.result.law.structure, None, law, [best, other], TOLERANCE, Workers(1, print))
+    found = weighed(law, [best, other])
     assert (found.kind if names[1:] else "cause", found.effects) == ("cause", names)
 
 
@@ -207,7 +212,7 @@ def test_no_cause_is_named_whose_form_does_not_fit(leaves, other_takes, kind, to
     for each, share in ((best, leaves), (other, 1.5), (law, 2.5)):
         each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
     stand_in(monkeypatch, "rivals_of", lambda one, asked, problem: asked if one is other else [])
-    found = weigh(law.result.law.structure, None, law, [best, other], TOLERANCE, Workers(1, print))
+    found = weighed(law, [best, other])
     assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("self_centring",))
     assert told in found.reasons[0]
 
@@ -218,7 +223,7 @@ def test_no_cause_is_named_that_does_not_foretell_half_of_what_is_missing(left, 
     best, law = candidate("memory", left, 80.0), candidate("", 100.0, 1000.0)
     best.lack = SimpleNamespace(p_value=0.5, share=0.2, sure_share=0.0)
     stand_in(monkeypatch, "rivals_of", lambda one, asked, problem: [])
-    found = weigh(law.result.law.structure, None, law, [best], TOLERANCE, Workers(1, print))
+    found = weighed(law, [best])
     assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("memory",))
     words = "on left-out conditions it takes only 45% of the law's error, scatter included"
     assert (words in found.reasons[0]) == (kind == "part")
@@ -230,7 +235,7 @@ def test_what_lies_under_scatter_is_taken_by_a_part(monkeypatch):
     law.missing = 6 * 40.0
     best.lack = SimpleNamespace(p_value=0.5, share=0.2, sure_share=0.0)
     stand_in(monkeypatch, "rivals_of", lambda one, asked, problem: [])
-    found = weigh(law.result.law.structure, None, law, [best], TOLERANCE, Workers(1, print))
+    found = weighed(law, [best])
     assert (found.verdict, found.kind, found.effects) == ("missing", "part", ("memory",))
 
 
@@ -244,7 +249,7 @@ def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeyp
         each.lack = SimpleNamespace(p_value=0.5 if not left else 0.0, share=left, sure_share=left)
     law.lack = SimpleNamespace(p_value=0.0, share=0.79, sure_share=0.7)
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
-    found = weigh(law.result.law.structure, None, law, [first, second, last], TOLERANCE, Workers(1, print))
+    found = weighed(law, [first, second, last])
     assert (found.verdict, found.effects) == ("missing", ("gap",))
 
 
@@ -255,7 +260,7 @@ def weighed_part(monkeypatch, *, same):
     best, other, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 65.0, 90.0), ("", 100.0, 100.0)))
     best.reservations = ()
     law.lack = SimpleNamespace(share=9.0)
-    scales = Scales(law.result.law.structure, None, law, [best, other], TOLERANCE, Workers(1, print))
+    scales = on_scales(law, [best, other])
     return one_part([best, other], [other], [], None, scales)
 
 
@@ -274,7 +279,7 @@ def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(monkey
         each.heldout_by, each.reservations = {"A, f": 0.1}, ()
     law.lack = SimpleNamespace(share=9.0)
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: candidate is best)
-    scales = Scales(law.result.law.structure, None, law, [best, more], TOLERANCE, Workers(1, print))
+    scales = on_scales(law, [best, more])
     found = one_part([best], [], [], None, scales)
     assert (found.kind, found.effects) == ("part", ("viscous",))
     assert "memory takes most, 60% of what is missing" in found.reasons[0]
@@ -291,7 +296,7 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
     stand_in(monkeypatch, "screened", lambda *of: [])
     stand_in(monkeypatch, "pairs", lambda *of: [pair])
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
-    found = weigh(law.result.law.structure, None, law, [alone], TOLERANCE, Workers(1, print))
+    found = weighed(law, [alone])
     assert (found.verdict, found.effects) == ("unknown", ())
     words = "viscous and offset together would take 92% of it, but leave 16.9 N (3.6 times the force noise)"
     assert any(words in reason for reason in found.reasons) == told
@@ -316,7 +321,7 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkey
     stand_in(monkeypatch, "pairs", lambda *of: pairs)
     stand_in(monkeypatch, "twins", lambda *of: [])
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
-    found = weigh(law.result.law.structure, None, law, [gas, asymmetry, inertia], TOLERANCE, Workers(1, print))
+    found = weighed(law, [gas, asymmetry, inertia])
     assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))
     assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
 
@@ -350,7 +355,7 @@ def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(a
     law = candidate("", 100.0, 1000.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
     stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [one for one in others if one not in (best, law)])
-    found = weigh(law.result.law.structure, None, law, [general, special], TOLERANCE, Workers(1, print))
+    found = weighed(law, [general, special])
     assert (found.kind, found.effects) == ("cause", ("relaxation",))
     assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told
 
@@ -385,7 +390,7 @@ def test_no_law_is_complete_of_which_a_part_leaves_mean_forces_open(proved, off,
     stand_in(monkeypatch, "means_left_open", lambda law, problem: OpenMeans(5, 6, 2.0 * off, off))
     stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
     problem = SimpleNamespace(noise=SimpleNamespace(is_no_rigs=False))
-    found = weigh(law.result.law.structure, problem, law, [], replace(TOLERANCE, proved=proved), Workers(1, print))
+    found = weighed(law, [], problem, replace(TOLERANCE, proved=proved))
     assert found.verdict == verdict
     assert ("in 5 of 6 loops an element of the law never slips" in found.reasons[0]) == (verdict == "unknown")
 
@@ -400,6 +405,6 @@ def test_what_scatter_may_have_made_is_not_complete_where_it_is_more_than_form(s
         is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017)
     )
     problem = SimpleNamespace(noise=scatter, loops=SimpleNamespace(run=range(48)))
-    found = weigh(law.result.law.structure, problem, law, [], TOLERANCE, Workers(1, print))
+    found = weighed(law, [], problem)
     assert found.verdict == verdict
     assert ("(0.17% of stiffness) may make as much by chance" in found.reasons[0]) == (verdict == "unknown")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pipeclamp_identification.diagnosis.candidates import likeliest, pairs, ranked, twins
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold
 from pipeclamp_identification.diagnosis.open_means import means_left_open
-from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, NEAR_NOISE_SHARE, RIVAL_LIKELIHOOD
@@ -33,23 +33,12 @@ from pipeclamp_identification.diagnosis.weighing.reasons import (
 )
 from pipeclamp_identification.diagnosis.weighing.rivals import rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed, nothing_named
-from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate, is_complete
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.law import Structure
 
 
-def weigh(
-    structure: Structure,
-    problem: Problem,
-    law: Judged,
-    candidates: Sequence[Judged],
-    tolerance: Tolerance,
-    workers: Workers,
-    differing: Unstated | None = None,
-) -> Weighed:
-    """Weigh the candidates; arguments as in `Scales`, and what differs between runs at the same stated conditions."""
-    scales = Scales(structure, problem, law, candidates, tolerance, workers)
+def weigh(scales: Scales, differing: Unstated | None = None) -> Weighed:
+    """Weigh the candidates, beside what differs between runs at the same stated conditions."""
     if differing is None:
         return _weighed(scales, causes=True)
     if differing.is_most:
