@@ -86,6 +86,15 @@ def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_pa
     }
 
 
+def test_where_no_run_is_a_sine_what_parts_cycles_is_said(pipeclamp, tmp_path):
+    """A wall's cycles, each farther than the last, had been imported without a next step or a word on one."""
+    rows = [f"{0.1 * place:.2f}\t{30 * place / (10 + place):.2f}" for place in range(60)]
+    (tmp_path / "wall.txt").write_text("u [mm]\tFh [kN]\n" + "\n".join(rows) + "\n")
+    told = pipeclamp("import", tmp_path / "wall.txt", "-o", tmp_path / "wall", "--rate", "none").stdout
+    assert "no run is a sine" in " ".join(told.split()) and "--columns segment=" in " ".join(told.split())
+    assert "Next:" not in told
+
+
 def test_names_that_state_no_temperature_hinder_no_next_step(pipeclamp, tmp_path):
     folder = write_texts(tmp_path / "e", ten_runs()[:4])
     for number, file in enumerate(sorted(folder.iterdir()), 1):

@@ -128,12 +128,12 @@ def _observed(row: RunRow, seen: SeenSine) -> Observed:
 
 def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, NominalSettings], tuple[str, ...]]:
     """Give amplitudes and frequencies but for those that records contradict, and words about these."""
-    amplitudes = [StatedAndShown(row.amplitude_mm, one.shown.amplitude_mm) for row, one in sines.values()]
-    frequencies = [StatedAndShown(row.frequency_Hz, one.cycles.frequency_Hz) for row, one in sines.values()]
+    amplitudes = {run: StatedAndShown(row.amplitude_mm, one.shown.amplitude_mm) for run, (row, one) in sines.items()}
+    frequencies = {run: StatedAndShown(row.frequency_Hz, one.cycles.frequency_Hz) for run, (row, one) in sines.items()}
     words = (contradiction("amplitude_mm", amplitudes), contradiction("frequency_Hz", frequencies))
     settings = {
-        run: NominalSettings(unless_contradicted(*amplitude), unless_contradicted(*frequency))
-        for run, amplitude, frequency in zip(sines, amplitudes, frequencies, strict=True)
+        run: NominalSettings(unless_contradicted(*amplitudes[run]), unless_contradicted(*frequencies[run]))
+        for run in sines
     }
     return settings, tuple(filter(None, words))
 

@@ -15,6 +15,8 @@ from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_identification.units.doubts import StatedAndShown
 from pipeclamp_models.base.arrays import Array, ComplexArray
 
+MOST_NAMED = 3
+"""Runs that a sentence names."""
 SURE_STANDARD_ERRORS = 3.0
 """Standard errors by which something must be negative: a clamp without loss shows either sign."""
 BEYOND_DOUBT = 5.0
@@ -167,18 +169,25 @@ def unless_contradicted(stated: float | None, shown: float) -> float | None:
     return stated if stated is not None and abs(shown - stated) <= STATED_APART * stated else None
 
 
-def contradiction(column: str, settings: Sequence[StatedAndShown]) -> str:
-    """Say that records show other settings than runs.csv states in a column; empty where they don't."""
-    wrong = [(stated, shown) for stated, shown in settings if stated and unless_contradicted(stated, shown) is None]
+def contradiction(column: str, settings: Mapping[str, StatedAndShown]) -> str:
+    """Say that records show other settings than runs.csv states in a column, by runs; empty where they don't."""
+    wrong = {
+        run: (stated, shown)
+        for run, (stated, shown) in settings.items()
+        if stated and unless_contradicted(stated, shown) is None
+    }
     if not wrong:
         return ""
-    stated, shown = np.array(wrong).T
+    stated, shown = np.array([*wrong.values()]).T
+    which = ", ".join([*wrong][:MOST_NAMED]) + (
+        f" and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
+    )
     ratio = float(np.median(shown / stated))
     low, high = PEAK_TO_PEAK
     asked = " (stated from peak to peak?)" if column == "amplitude_mm" and low < ratio < high else ""
     return (
         f"{column} in runs.csv is {_span(stated)}, the records show {_span(shown)}, {ratio:.2g} times as much, in "
-        f"{len(wrong)} of {len(settings)} runs{asked}; what the records show is used"
+        f"{len(wrong)} of {len(settings)} runs ({which}){asked}; what the records show is used"
     )
 
 

@@ -329,7 +329,7 @@ def test_what_the_records_show_goes_before_the_table(campaign_of_forces):
     campaign = read_campaign(campaign_of_forces(1.0, 1.3, 0.7, amplitudes=[1.6, 0.78, 1.6]))
     assert [run.amplitude_mm for run in campaign.runs] == [None, 0.78, None]
     (remark,) = campaign.remarks
-    for words in ("amplitude_mm in runs.csv is 1.6", "show 0.8", "2 of 3 runs", "peak to peak?"):
+    for words in ("amplitude_mm in runs.csv is 1.6", "show 0.8", "2 of 3 runs (r0, r2)", "peak to peak?"):
         assert words in remark
 
 

@@ -113,6 +113,7 @@ def test_times_of_channels_are_not_the_channels():
         (["y (mm)", "Load (N)", "T [°C]"], "", "--rate 1000"),
         (["Time (s)", "y (mm)", "Load (N)"], "fource=Load (N)", "'fource': did you mean 'force'"),
         (["Time (s)", "Acceleration [m/s^2]", "Load (N)"], "", "there are 'Time .s.', 'Acceleration .m/s.2.'"),
+        (["Time (s)", "Acceleration [m/s^2]", "Load (N)"], "", "\n  expected .*--columns OURS=CHANNEL"),
         (["Time (s)", "y (mm)", "Load (V)"], "force=Load (V)", "'V' is no unit of force"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
@@ -144,6 +145,7 @@ def test_a_statement_that_makes_no_sense_is_refused(option):
         (["Time [s]", 'Weg "links"', "Kraft $1"], ("Kraft $1", 1.0)),
         (["Time [s]", "y (mm)", "Load (N)", "Temperatur [V]"], ("Load (N)", 1.0)),
         (["Cycle", "A", "B [mm]", "C [N]"], ("C [N]", 1.0)),
+        (["Millis", "Load_Cell", "Linear_Pot (scaled)", "Velocity"], ("Load_Cell", 1.0)),
         ([f"{'long ' * 20}{end}" for end in ("Time", "Weg [N]", "Load [kN]")], (f"{'long ' * 20}Load [kN]", 1e3)),
     ],
 )
@@ -171,6 +173,35 @@ def test_no_channel_in_a_unit_of_something_else_is_proposed():
     with pytest.raises(UserError, match=r"'Velocity \(in/s\)' is a speed, and forces over speeds are no loops") as told:
         refuse_open_questions("a.csv", map_columns(sums))
     assert "[mm]" not in str(told.value)
+
+
+def test_milliseconds_of_a_microcontroller_are_its_time():
+    """A shock dyno's channels had been "no channel of numbers": its load cell had been proposed for a displacement."""
+    channels = tuple(Channel(name, "", np.arange(3.0) * 10) for name in ("Millis", "Load_Cell", "Linear_Pot"))
+    with pytest.raises(UserError) as told:
+        refuse_open_questions("a.csv", map_columns(RawTable("", channels)))
+    assert '--columns "time=Millis [ms],displacement=Linear_Pot [mm],force=Load_Cell [N]"' in str(told.value)
+
+
+def test_a_rate_of_change_is_proposed_last():
+    """Of a damper's record without names, the speed beside the displacement had been proposed for the force."""
+    t = np.arange(200) / 100
+    y = np.sin(2 * np.pi * t) + 0.1 * np.sin(6 * np.pi * t)
+    speed = np.gradient(y, t)
+    for samples in ((t, y, speed, np.tanh(3 * speed)), (t, speed, y, np.tanh(3 * speed))):
+        channels = tuple(Channel(f"column {place}", "", one) for place, one in enumerate(samples, 1))
+        with pytest.raises(UserError) as told:
+            refuse_open_questions("a.txt", map_columns(RawTable("", channels)))
+        where = 2 if samples[1] is y else 3
+        assert f"displacement=column {where} [mm],force=column 4 [N]" in str(told.value)
+
+
+def test_a_force_in_proportion_to_speed_is_still_proposed():
+    t = np.arange(200) / 100
+    samples = (t, np.sin(2 * np.pi * t), 40 * np.cos(2 * np.pi * t))
+    channels = tuple(Channel(f"column {place}", "", one) for place, one in enumerate(samples, 1))
+    with pytest.raises(UserError, match=r"displacement=column 2 \[mm\],force=column 3 \[N\]"):
+        refuse_open_questions("a.txt", map_columns(RawTable("", channels)))
 
 
 def test_letters_of_a_quantity_are_proposed_before_others():

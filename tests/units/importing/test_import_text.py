@@ -217,7 +217,8 @@ def test_channels_of_one_name_are_told_apart_and_control_characters_taken_out(tm
         (b"", "is empty"),
         (b"no table at all\nin two lines\n", "holds no table of numbers"),
         (b"load / kN\n" + b"0.5\n-2\n1.25\n" * 5, "holds one column of numbers alone"),
-        (b"a,b,c\n" + b"0,001,1,5,2,5\n" * 30, "3 names above 6 columns"),
+        (b"a,b,c\n" + b"0,001,1,5,2,5\n" * 30, "3 names above 6 columns.*decimal commas"),
+        (b"Load, N,Disp, mm\n" + b"1.5,2.5\n" * 30, "4 names above 2 columns.*a name that holds a comma"),
         (
             text(loop()).encode() + text(loop(), names="Force [kN];Time [s];Displacement [mm]").encode(),
             "has other columns",
@@ -236,6 +237,21 @@ def test_what_is_no_table_is_told(tmp_path, content, told):
     path.write_bytes(content)
     with pytest.raises(pc.UserError, match=told):
         read_file(path)
+
+
+@pytest.mark.parametrize("first", ["", ", DAQ Start"])
+def test_remarks_that_most_rows_leave_off_are_no_column(tmp_path, first):
+    """A logger's file had been refused for its "Events", of which only the first row has one."""
+    run = loop()
+    lines = ["Sampling Rate:  200", "Sample Number, Date/Time, CHANNEL0, CHANNEL1, Events"]
+    for place, (t, y, force) in enumerate(zip(run.time, run.y, run.force, strict=True), 1):
+        lines.append(
+            f"  {place},   04/29/2022 12:11:{14 + t:06.3f} PM, {y:.4f}, {force:.4f}{first if place == 1 else ''}"
+        )
+    (tmp_path / "a.txt").write_text("\n".join(lines) + "\n")
+    channels = read_file(tmp_path / "a.txt").tables[0].channels
+    assert [channel.name for channel in channels] == ["Sample Number", "Date/Time", "CHANNEL0", "CHANNEL1"]
+    assert channels[2].values == pytest.approx(run.y, abs=1e-4)
 
 
 def test_fortrans_exponents_are_numbers(tmp_path):

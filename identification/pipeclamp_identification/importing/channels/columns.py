@@ -160,12 +160,14 @@ class Mapped:
 
     def _chosen(self) -> list[Choice | None]:
         """Give a choice for each question, of another channel each; None where there is none left."""
-        taken, chosen = {column.heading for column in self.columns}, []
-        for question in self.questions:
+        taken = {column.heading for column in self.columns}
+        chosen: dict[str, Choice | None] = {}
+        # what has the fewest channels to choose from goes first, lest another one take its only one
+        for question in sorted(self.questions, key=lambda one: len({choice.channel for choice in one.choices})):
             choice = next((one for one in question.choices if one.channel not in taken), None)
             taken |= {choice.channel} - {""} if choice else set()
-            chosen.append(choice)
-        return chosen
+            chosen[question.ours] = choice
+        return [chosen[question.ours] for question in self.questions]
 
 
 def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) -> str:
@@ -329,8 +331,10 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
         there = listed([repr(heading) for heading in mapped.units])
         raise UnusableFileError(
             where,
-            f"{problems}; there are {there}",
-            "; expected a channel of numbers for time, displacement and force",
+            problems,
+            f"\n  there are {there}"
+            "\n  expected a channel of numbers for time, displacement and force; where one is, but its name or unit "
+            "says something else, --columns OURS=CHANNEL states it (see --help)",
         )
     option = mapped.option()
     lines = ["; expected it to be stated, for example (check it):", f"  {option}{rate}"]

@@ -23,6 +23,7 @@ SEGMENT = "segment"
 WORDS: Mapping[Quantity, tuple[str, ...]] = {
     "time": (
         "time", "timestamp", "datetime", "zeit", "zeitstempel", "uhrzeit", "temps", "tempo", "tiempo", "elapsed", "t",
+        "millis",
     ),
     "displacement": (
         "displacement", "displ", "disp", "stroke", "travel", "position", "pos", "lvdt", "deflection", "extension",

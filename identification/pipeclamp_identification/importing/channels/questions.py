@@ -35,6 +35,10 @@ USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"),
 NO_UNIT = ("", "-", "--", "1")
 SYMBOLS = {"time": ("t",), "displacement": ("x", "y", "d", "s", "u", "z"), "force": ("f", "p")}
 """Letters that stand for a quantity: of channels without a unit, those that are called so are proposed first."""
+A_RATE = 0.99
+"""Correlation from which on a channel is another one's rate of change: a speed beside its displacement."""
+LOOKED_AT = 20_000
+"""Samples by which that is told; files may hold millions."""
 
 
 @dataclass(frozen=True)
@@ -149,6 +153,9 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
     else:
         others = [one for one in some if unit_of(one) not in NO_UNIT]
         likely += sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))
+    if quantity != "time":
+        rates = _likeness_to_rates(likely)
+        likely.sort(key=lambda one: rates[one.heading])
     likely.sort(key=lambda one: one.name.casefold().strip() not in SYMBOLS.get(quantity, ()))
     why = f"no channel is called a {quantity} or is in a unit of one"
     speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
@@ -165,6 +172,28 @@ def _rises(values: Array) -> bool:
     """Tell whether samples rise as a time does, but for where a clock begins anew."""
     step = np.diff(values[np.isfinite(values)])
     return bool(np.any(step > 0)) and int(np.count_nonzero(step < 0)) <= MOST_FALLS * len(step)
+
+
+def _likeness_to_rates(channels: Sequence[Channel]) -> Mapping[str, float]:
+    """Give how surely each channel, by its heading, is the rate of change of another one, 0 where it isn't."""
+    if len(channels) < 2:
+        return {channel.heading: 0.0 for channel in channels}
+    values = np.nan_to_num(np.array([channel.values[:LOOKED_AT] for channel in channels]))
+    if values.shape[1] < 2:
+        return {channel.heading: 0.0 for channel in channels}
+    own, change = _normed(values), _normed(np.gradient(values, axis=1))
+    likeness = own @ change.T
+    np.fill_diagonal(likeness, 0.0)
+    most = np.max(likeness, axis=1)
+    return {one.heading: float(like) if like >= A_RATE else 0.0 for one, like in zip(channels, most, strict=True)}
+
+
+def _normed(values: Array) -> Array:
+    """Give rows about their means, so that their products are correlations."""
+    about = values - np.mean(values, axis=1, keepdims=True)
+    size = np.linalg.norm(about, axis=1, keepdims=True)
+    normed: Array = np.divide(about, size, out=np.zeros_like(about), where=size > 0)
+    return normed
 
 
 def _choices(quantity: Quantity, channels: Sequence[Channel]) -> tuple[Choice, ...]:

@@ -26,6 +26,10 @@ CLEAR = 0.6
 LONGEST_HEADER = 20_000
 LEFT_ALIGNED = ("\t", ";", "|")
 """What parts names that stand above their columns though there may be more of them."""
+REMARKS = frozenset(
+    ("comment", "comments", "event", "events", "marker", "markers", "note", "notes", "remark", "remarks")
+)
+"""Names of columns of text that are blank in most rows, or left off there."""
 MOST_SHOWN = 40
 """Characters of a line that an error shows."""
 LINES_OF_NAMES = 4
@@ -244,8 +248,8 @@ def _first_line(
 
     def numbers_in(line: str) -> tuple[bool, bool]:
         row = _trimmed(cells_of(line, delimiter), ended)
-        if ended and len(row) == width + 1 and is_number(row[width], decimal):
-            # its last column is blank in most rows
+        if len(row) == width + 1 and ended == is_number(row[width], decimal):
+            # its last column is blank in most rows, or a remark that most rows don't have
             row = row[:width]
         numbers = sum(is_number(cell, decimal) for cell in row)
         enough = len(row) == width and numbers >= max(FEWEST_COLUMNS, CLEAR * len([cell for cell in row if cell]))
@@ -276,14 +280,20 @@ def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> Names
         return numbered, blank, blank
     rows = [row for row in (_header_row(line, delimiter, width) for line in above) if row]
     last = cells_of(above[-1], delimiter)
-    if len(last) > width and delimiter in LEFT_ALIGNED and any(last[width:]):
-        # the last columns may be blank in each row: LabVIEW's "Comment"
+    beyond = [cell for cell in last[width:] if cell]
+    if beyond and (delimiter in LEFT_ALIGNED or REMARKS.issuperset(map(str.casefold, beyond))):
+        # the last columns may be blank in each row: LabVIEW's "Comment", a logger's "Events"
         rows = [*rows, last[:width]]
     if not rows:
         if delimiter == "," and len(last) > 1:
+            why = (
+                "a name that holds a comma must stand in quotes: export it so"
+                if len(last) > width
+                else "decimal commas between commas can't be told from them: export with points"
+            )
             raise Damaged(
-                f"has {len(last)} names above {width} columns of numbers; expected as many; decimal commas between "
-                "commas can't be told from them: export with points, or with semicolons between columns"
+                f"has {len(last)} names above {width} columns of numbers; expected as many; {why}, or with semicolons "
+                "between columns"
             )
         return numbered, blank, blank
     return names_above(rows, width)
