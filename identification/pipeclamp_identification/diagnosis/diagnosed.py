@@ -20,6 +20,7 @@ from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
+from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import varies
@@ -117,7 +118,7 @@ class RecordDiagnosed:
         if diagnosis.found.unstated is not None or diagnosis.found.bent is not None:
             return False
         elsewhere = bool(self.sensors()) or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
-        enough = int(diagnosis.problem.groups.max()) + 1 >= FEWEST_GROUPS
+        enough = int(amplitude_and_frequency_groups(diagnosis.problem.loops).max()) + 1 >= FEWEST_GROUPS
         return self.verdict == "unknown" and enough and not elsewhere
 
     @property

@@ -18,33 +18,46 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 
 FOLDS = 8
+TWO_GROUPS = 2
 CLOSELY = 1e-6
 """Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
 
 
 def condition_groups(loops: Loops) -> IntArray:
+    """Give each loop the number of the group that is left out with it, shape (R,): its amplitude and frequency.
+
+    Without one of two such groups nothing would show what amplitude and frequency do. Where there are two, a group has
+    every condition alike, and where there is one, each run is a group of its own.
+    """
+    groups = amplitude_and_frequency_groups(loops)
+    if groups.max() + 1 == TWO_GROUPS:
+        slow = (loops.temperature_K, loops.density_g_cm3, *loops.conditions.values())
+        levels = [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in slow]
+        groups = _distinct([groups, *levels])
+    return _each_its_own(loops) if groups.max() == 0 else groups
+
+
+def amplitude_and_frequency_groups(loops: Loops) -> IntArray:
     """Give each loop the number of its (amplitude, frequency) group, shape (R,).
 
-    Where conditions lie so dense that they would all be the same, classes of them make the groups. Where all tests are
-    at one amplitude and frequency, each run is a group of its own.
+    Where conditions lie so dense that they would all be the same, classes of them make the groups.
     """
-    groups = _amplitude_and_frequency_groups(loops)
-    if groups.max() == 0:
-        groups = np.unique(loops.run, return_inverse=True)[1]
-    return groups.astype(np.intp)
-
-
-def _amplitude_and_frequency_groups(loops: Loops) -> IntArray:
     conditions = (loops.amplitude_mm, loops.frequency_Hz)
-    levels = np.stack(
-        [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in conditions], axis=1
-    )
-    return np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
+    return _distinct([_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in conditions])
+
+
+def _distinct(numbers: Sequence[IntArray]) -> IntArray:
+    """Give each loop the number of what it has of all of these, shape (R,)."""
+    return np.unique(np.stack(numbers, axis=1), axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
+
+
+def _each_its_own(loops: Loops) -> IntArray:
+    return np.unique(loops.run, return_inverse=True)[1].astype(np.intp)
 
 
 def are_at_one_condition(loops: Loops) -> bool:
     """Tell whether no condition can be left out to see what a law foretells: leaving a run out leaves its repeats."""
-    return bool(_amplitude_and_frequency_groups(loops).max() == 0) and not further_groups(loops)
+    return bool(amplitude_and_frequency_groups(loops).max() == 0) and not further_groups(loops)
 
 
 def further_groups(loops: Loops) -> dict[str, IntArray]:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.fitting.heldout import condition_groups
+from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.local_form import local_form
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
@@ -50,7 +50,7 @@ def spread_of(fit: Fit, loops: Loops, observations: LoopObservations) -> Spread 
     if len(fit.law_force.force) != len(loops.run):  # what ages was fitted in stretches of cycles
         loops = by_stretch(loops)
         observations = loop_observations(loops)
-    groups = condition_groups(loops)
+    groups = amplitude_and_frequency_groups(loops)
     if groups.max() == 0 or not fit.fitted:
         return None
     left = _LeftOut(fit, observations.with_discrepancy(fit.law_force))
