@@ -48,6 +48,10 @@ MAY_LOAD = {
     "metrics clamp_a": {*TERMINAL, *TESTS, *COMPARED},
     "identify clamp_a -o LAW": {*TERMINAL, *TESTS, *FIT},
     "identify emwm2_tables -o LAW": {*TERMINAL, *TESTS, *FIT, "pipeclamp_identification.metrics_only"},
+    "build-fmu emwm2 -o FMU": {
+        *(*TERMINAL, *EQUATIONS),
+        *("scipy", "scipy.linalg", "numpy.f2py", "jinja2", "pythonfmu", "pipeclamp_fmu", "pipeclamp_models.pipe"),
+    },
     "compare emwm2 clamp_a_heldout": {*TERMINAL, *TESTS, *COMPARED},
     "compare emwm2 clamp_a_heldout --report PAGE": {*TERMINAL, *TESTS, *COMPARED, *PAGE},
 }
@@ -65,7 +69,7 @@ def loaded(words: Sequence[str], tmp_path: Path, before: str = "") -> set[str]:
 
 @pytest.mark.parametrize("command", MAY_LOAD)
 def test_a_command_loads_only_what_it_may(command: str, tmp_path: Path):
-    files = {"LAW": tmp_path / "law.json", "PAGE": tmp_path / "page.html"}
+    files = {"LAW": tmp_path / "law.json", "PAGE": tmp_path / "page.html", "FMU": tmp_path / "law.fmu"}
     words = [str(files.get(word, word)) for word in command.split()]
     found = loaded(words, tmp_path)
     if "sympy" in found:  # this was the first command on these equations

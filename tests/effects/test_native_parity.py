@@ -1,7 +1,7 @@
 """One law in every realisation: arrays, plain Python, the Python slave, native FMI 2.0 and 3.0, both interfaces.
 
 What wraps the law's C differs by version of FMI, not by effect: laws of one effect are built for either version in
-turn, composed laws for both.
+turn, composed laws for both. These are compiled as users' are, laws of one effect without optimisation.
 """
 
 import math
@@ -21,6 +21,7 @@ from pipeclamp_fmu.contents.clamp import clamp_module, clamp_variables, quantiti
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.contents.continuous_memory import parts_of_step
 from pipeclamp_fmu.describe.variables import numbers_of
+from pipeclamp_fmu.native import compiler
 from pipeclamp_fmu.native.compiler import default_platforms
 from pipeclamp_fmu.native.packing import write_native_fmu
 from pipeclamp_fmu.slaves.loading import instance_of
@@ -178,14 +179,18 @@ def no_cycle_sought():
 
 
 @contextmanager
-def native(file, folder, versions=(2, 3)):
+def native(file, folder, versions=(2, 3), optimisation="-O2"):
     """Build a law's native FMUs; give a function that makes an instance for a version and an interface."""
     platforms = {fmi: default_platforms(fmi) for fmi in versions}
     if not all(platforms.values()):
         pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
     content = native_clamp_content(file)
-    for fmi in versions:
-        write_native_fmu(content, folder / f"{fmi}.fmu", fmi, platforms[fmi])
+    assert "-O2" in compiler.FLAGS
+    flags = tuple(optimisation if flag == "-O2" else flag for flag in compiler.FLAGS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiler, "FLAGS", flags)
+        for fmi in versions:
+            write_native_fmu(content, folder / f"{fmi}.fmu", fmi, platforms[fmi])
     made = []
 
     def make(fmi, kind, start):
@@ -218,7 +223,7 @@ def test_every_realisation_gives_the_same(structure, versions, tmp_path):
     plain = by_scalars(model, y, v, straight=True)
     np.testing.assert_allclose(by_arrays(structure, values, y, v), plain[:, 0], **SAME)
     np.testing.assert_allclose(by_slave(SlaveDriver(model, native_start(model)), y, v), expected[:, :2], **SAME)
-    with native(file, tmp_path, versions) as make:
+    with native(file, tmp_path, versions, "-O2" if len(versions) > 1 else "-O0") as make:
         for fmi, kind in (interface for interface in INTERFACES if interface[0] in versions):
             driver = make(fmi, kind, native_start(model))
             np.testing.assert_allclose(by_native(driver, states, y, v), expected, **SAME, err_msg=f"{fmi} {kind}")

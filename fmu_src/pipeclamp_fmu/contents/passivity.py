@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 from pipeclamp_models.base.errors import UserError
@@ -134,10 +135,7 @@ def balance(law: ScalarLaw, cycle: ClosedMotion, where: Sequence[float], samples
     k = law.coefficients(*where)
     h = 1 / (f * samples)
     angular = 2 * math.pi * f
-    motion = []
-    for index in range(samples):
-        y, v = cycle.at((index + cycle.BETWEEN) / samples)
-        motion.append((A * y, A * angular * v))
+    motion = [(A * y, A * angular * v) for y, v in _over_amplitude(cycle, samples)]
     state = tuple(start for _, start in law.states)
     y_previous = motion[0][0]
     law.step(k, state, y_previous, y_previous, 0.0, 0.0)  # as where conditions change: it must have a value there
@@ -153,6 +151,12 @@ def balance(law: ScalarLaw, cycle: ClosedMotion, where: Sequence[float], samples
         if turn == 0:
             before = energy
     return Balance(work - (energy - before) if law.states else work, moved)
+
+
+@lru_cache(maxsize=16)
+def _over_amplitude(cycle: ClosedMotion, samples: int) -> list[tuple[float, float]]:
+    """Give y/A and v/(2 pi f A) at so many samples; a grid asks for the same cycles under all its conditions."""
+    return [cycle.at((index + cycle.BETWEEN) / samples) for index in range(samples)]
 
 
 def _points(interval: Interval, count: int) -> list[float]:
@@ -200,13 +204,18 @@ def require_dissipation(
     """
     worst: tuple[float, ClosedMotion, tuple[float, ...], Balance] | None = None
     grid = itertools.product(CYCLES_ACCOUNTED, conditions(range_A, range_f, range_T, *further))
-    for cycle, where in itertools.chain(begin, grid):
+    tried = itertools.chain(begin, grid)
+    if proved:
+        for cycle, where in tried:
+            _finite(name, law, cycle, where, COARSE)
+        return
+    for cycle, where in tried:
         result = _accounted(name, law, cycle, where)
         if worst is None or result.share < worst[0]:
             worst = (result.share, cycle, where, result)
         if result.share < -CLEAR_SHARE:
             break
-    if worst is not None and worst[0] >= -RESOLVED_SHARE and not proved:
+    if worst is not None and worst[0] >= -RESOLVED_SHARE:
         for cycle, where in _sought(law, (range_A, range_f, range_T, *further)):
             result = _accounted(name, law, cycle, where)
             worst = min(worst, (result.share, cycle, where, result), key=lambda found: found[0])
@@ -225,14 +234,24 @@ def _accounted(name: str, law: ScalarLaw, cycle: ClosedMotion, where: tuple[floa
     Raises:
         UserError: the law has no finite value on it.
     """
+    result = _finite(name, law, cycle, where, COARSE)
+    if result.share < CLEAR_SHARE:
+        result = _finite(name, law, cycle, where, FINE)
+    if result.share < -RESOLVED_SHARE and law.states:
+        finer = _finite(name, law, cycle, where, TIMES_FINER * FINE)
+        shrunk = abs(finer.share) < abs(result.share) / 2
+        result = Balance(0.0, finer.moved) if shrunk else finer
+    return result
+
+
+def _finite(name: str, law: ScalarLaw, cycle: ClosedMotion, where: tuple[float, ...], samples: int) -> Balance:
+    """Account for a cycle at so many samples.
+
+    Raises:
+        UserError: the law has no finite value on it.
+    """
     try:
-        result = balance(law, cycle, where, COARSE)
-        if result.share < CLEAR_SHARE:
-            result = balance(law, cycle, where, FINE)
-        if result.share < -RESOLVED_SHARE and law.states:
-            finer = balance(law, cycle, where, TIMES_FINER * FINE)
-            shrunk = abs(finer.share) < abs(result.share) / 2
-            result = Balance(0.0, finer.moved) if shrunk else finer
+        result = balance(law, cycle, where, samples)
     except (ArithmeticError, ValueError, TypeError) as error:
         raise UserError(f"law {name!r} has no value for {_at(cycle, where)} ({error}); {REMEDY}") from error
     if not math.isfinite(result.dissipated):

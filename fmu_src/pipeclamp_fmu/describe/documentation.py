@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
-from jinja2 import Environment
+from jinja2 import Environment, Template
 
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_models.base.units import unit_shown
@@ -119,7 +120,12 @@ def variables_section(described: Mapping[str, Quantity]) -> DocumentedSection:
 
 def page(title: str, introduction: Sequence[str], sections: Sequence[DocumentedSection]) -> str:
     """Give the page as HTML, everything in it escaped."""
-    template = Environment(autoescape=True, keep_trailing_newline=True).from_string(PAGE)
-    return template.render(
+    return _template().render(
         title=title, introduction=introduction, sections=sections, width=lambda share: f"{100 * share:.2f}%"
     )
+
+
+@cache
+def _template() -> Template:
+    """Compile the page's template."""
+    return Environment(autoescape=True, keep_trailing_newline=True).from_string(PAGE)

@@ -8,6 +8,8 @@ import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -30,8 +32,8 @@ OPTIONS = {
 }
 """What the slaves can do; needsExecutionTool would make some importers refuse them."""
 
-UNUSED = ("__main__.py", "csvbuilder.py", "deploy.py")
-"""Modules of pythonfmu that nothing in an FMU imports."""
+UNUSED = ("__main__.py", "csvbuilder.py", "deploy.py", MODEL_DESCRIPTION, FILE_NAME)
+"""Modules of pythonfmu that nothing in an FMU imports, and what is written anew for each FMU's values."""
 
 NO_DATE = (1980, 1, 1, 0, 0, 0)
 """The earliest date that a zip file can hold."""
@@ -46,7 +48,9 @@ def write_fmu(content: Content, output: Path) -> str:
     Raises:
         UserError: the file can't be written.
     """
-    write_whole(output, zipped(_packed_by_pythonfmu(content) | python_files(content)))
+    values = values_text("", content.name, content.numbers) if content.numbers else ""
+    program = _Program(content.identifier, content.module, bool(values), values)
+    write_whole(output, zipped({**_packed_by_pythonfmu(program), **python_files(content)}))
     return content.identifier
 
 
@@ -96,14 +100,32 @@ def _described(content: Content) -> Element:
     return description
 
 
-def _packed_by_pythonfmu(content: Content) -> dict[str, bytes]:
-    """Let pythonfmu make an FMU of the slave and give its files by name."""
-    name = content.identifier
+@dataclass(frozen=True)
+class _Program:
+    """A slave without what its values decide.
+
+    Attributes:
+        identifier: name of its module, unique for it.
+        module: the module's text.
+        with_values: whether it reads a file of values.
+        values: one such file's text, with which pythonfmu can make an instance.
+    """
+
+    identifier: str
+    module: str
+    with_values: bool
+    values: str = field(compare=False)
+
+
+@lru_cache(maxsize=8)
+def _packed_by_pythonfmu(program: _Program) -> Mapping[str, bytes]:
+    """Let pythonfmu make an FMU of the slave, once for all values; give the files by name that they don't decide."""
+    name = program.identifier
     with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder, _restored_imports(name):
         script, values = Path(folder) / f"{name}.py", Path(folder) / FILE_NAME
-        script.write_text(content.module, encoding="utf-8", newline="\n")
-        values.write_text(values_text("", content.name, content.numbers), encoding="utf-8", newline="\n")
-        beside = [values] if content.numbers else []
+        script.write_text(program.module, encoding="utf-8", newline="\n")
+        values.write_text(program.values, encoding="utf-8", newline="\n")
+        beside = [values] if program.with_values else []
         packed = FmuBuilder.build_FMU(script, Path(folder) / f"{name}.fmu", project_files=beside)
         with zipfile.ZipFile(packed) as archive:
             return {name: archive.read(name) for name in archive.namelist() if Path(name).name not in UNUSED}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from importlib import resources
 
 
@@ -26,11 +27,17 @@ def _without(source: str, nodes: Iterable[tuple[ast.stmt, str]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+@lru_cache(maxsize=64)
+def _parsed(source: str) -> ast.Module:
+    """Parse a module, which nobody may change; the same few stand in every FMU, whose studies build hundreds."""
+    return ast.parse(source)
+
+
 def body_of(source: str) -> str:
     """Give a module's source without its docstring and its imports from `__future__`, to stand inside another."""
-    nodes = ast.parse(source).body
+    nodes = _parsed(source).body
     heading = [node for node in nodes if isinstance(node, ast.ImportFrom) and node.module == "__future__"]
-    if ast.get_docstring(ast.parse(source)) is not None:
+    if ast.get_docstring(_parsed(source)) is not None:
         heading.append(nodes[0])  # type: ignore[arg-type]
     return _without(source, ((node, "") for node in heading)).strip("\n") + "\n"
 
@@ -47,7 +54,7 @@ def with_inlined(source: str, parts: Mapping[str, str]) -> str:
     """
     found = [
         (node, f"# {node.module}\n{body_of(parts[node.module])}")
-        for node in ast.parse(source).body
+        for node in _parsed(source).body
         if isinstance(node, ast.ImportFrom) and node.module is not None and node.module in parts
     ]
     if sorted(str(node.module) for node, _ in found) != sorted(parts):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import struct
+from functools import lru_cache
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
@@ -52,14 +53,24 @@ def refuse_cut_program(folder: Path, fmu: Path) -> None:
     try:
         name = (resources / place).read_text(encoding="utf-8").strip()
         place = f"{name}.py"
-        tree = ast.parse((resources / place).read_text(encoding="utf-8"))
+        whole = _holds_a_class((resources / place).read_text(encoding="utf-8"))
     except (OSError, ValueError, SyntaxError, RecursionError, MemoryError) as error:
         raise UserError(
             f"{fmu}: resources/{place} in it is missing or isn't whole; expected the FMU's program: build or copy the "
             "FMU again"
         ) from error
-    if not any(isinstance(node, ast.ClassDef) for node in tree.body):
+    if not whole:
         raise UserError(f"{fmu}: resources/{place} in it holds no class; expected the FMU's program, whole")
+
+
+@lru_cache(maxsize=16)
+def _holds_a_class(program: str) -> bool:
+    """Tell whether a program that Python can read defines a class; FMUs of one program differ by their values alone.
+
+    Raises:
+        ValueError, SyntaxError, RecursionError, MemoryError: Python can't read it.
+    """
+    return any(isinstance(node, ast.ClassDef) for node in ast.parse(program).body)
 
 
 def _size_needed(content: bytes) -> int:

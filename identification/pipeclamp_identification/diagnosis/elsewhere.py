@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, worst_level
 from pipeclamp_identification.diagnosis.weighing.reasons import between_words
-from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
+from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate
 from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
 
 
@@ -25,7 +25,8 @@ class Elsewhere:
     """What a law errs elsewhere than on its tests' kept harmonics.
 
     Attributes:
-        left_out: on groups of amplitude and frequency that are left out, scatter taken off, as a share of the noise.
+        left_out: on groups that are left out, scatter taken off, as a share of the noise; zero where nothing that the law
+            leaves over follows the conditions.
         worst: what it errs more on a level between others that is left out; None where no level lies between.
         beyond: what it leaves over beyond the kept harmonics.
     """
@@ -70,5 +71,6 @@ def elsewhere(law: Judged, problem: Problem, tolerance: Tolerance, campaign: Cam
         campaign: the tests.
         loops: `loops_of(campaign)`.
     """
-    left_out = tolerance.counted(foretold(law, problem))
+    # Where nothing follows the conditions, fits to fewer tests only show what scatter makes of them.
+    left_out = 0.0 if is_adequate(law.lack, tolerance) else tolerance.counted(foretold(law, problem))
     return Elsewhere(left_out, worst_level(law, problem), beyond_harmonics(law.result.law, campaign, loops))

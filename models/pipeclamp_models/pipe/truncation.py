@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-import control
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.receptance import are_coupled, receptance
+
+if TYPE_CHECKING:
+    import control
 
 POINTS_A_MODE = 20
 """Frequencies, even in wave number, at which the responses are compared, besides the resonances."""
@@ -123,6 +126,9 @@ def state_space(
         shapes: (outputs, m).
         direct: (outputs, inputs), or 0.
     """
+    # It takes a second to load, which a clamp's FMU, built by the same module as a pipe's, can do without.
+    import control
+
     none = np.zeros_like(stiffness)
     A = np.block([[none, np.eye(len(stiffness))], [-stiffness, -damping]])
     return control.ss(A, np.vstack([np.zeros_like(loads), loads]), np.hstack([shapes, np.zeros_like(shapes)]), direct)
@@ -142,6 +148,8 @@ def modal_state_space(model: ModalModel, moving: int | None = None) -> control.S
 
 def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
     """Give the state space with the first `kept` modes and nothing in place of the others."""
+    import control
+
     modes = full.nstates // 2
     left_out = [*range(kept, modes), *range(modes + kept, 2 * modes)]
     moving = control.ss(full.A, full.B, full.C, 0.0)
@@ -301,4 +309,6 @@ def _largest_share(error: Array, response: ComplexArray) -> float:
 
 def _frequency_response(system: control.StateSpace, band: Array) -> ComplexArray:
     """Give the frequency response, (outputs, inputs, frequencies)."""
+    import control
+
     return np.asarray(control.frequency_response(system, band, squeeze=False).complex, dtype=np.complex128)

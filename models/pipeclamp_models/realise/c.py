@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
+from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.law.law import Structure
@@ -79,12 +80,11 @@ def _named(kind: str, symbol: sp.Symbol, index: int = 0) -> sp.Symbol:
     return sp.Symbol(f"{kind}_{name if re.fullmatch(r'[A-Za-z0-9_]+', name) else index}", real=True)
 
 
-@bounded()
 def c_source(structure: Structure) -> str:
-    """Give a law's structure as C functions; its parameters are arguments, so that no value is compiled in.
+    """Give a law's structure as C functions, kept from one call to the next.
 
-    It defines the counts `LAW_PARAMETERS`, `LAW_CONDITIONS`, `LAW_HELD`, `LAW_STATES`, the states before anything has
-    moved, `law_rest`, and
+    Its parameters are arguments, so that no value is compiled in. It defines the counts `LAW_PARAMETERS`,
+    `LAW_CONDITIONS`, `LAW_HELD`, `LAW_STATES`, the states before anything has moved, `law_rest`, and
 
     - `law_coefficients(p, u, k)`: from parameters p (`parameter_symbols`) and conditions u (`conditions_of`; mm, Hz, K)
       what holds through a step,
@@ -93,6 +93,11 @@ def c_source(structure: Structure) -> str:
     - `law_slopes(p, u, z, y_previous, y, v, h, slope)`: derivatives of that force, then of that energy, by y, v and
       each condition, memory included.
     """
+    return str(kept(f"C {structure.equations_without_rig.key}", lambda: _c_source(structure)))
+
+
+@bounded()
+def _c_source(structure: Structure) -> str:
     law = stepping(structure)
     names = _names_of(law)
     counts = {"PARAMETERS": names.p, "CONDITIONS": names.u, "HELD": names.k, "STATES": names.z}

@@ -139,6 +139,13 @@ def test_what_dissipates_or_gives_back_is_proved(declared, name):
     assert "proved for any motion" in passivity(*law).words()
 
 
+def test_what_is_proved_needs_values_all_the_same():
+    """At the highest amplitude alone there is none."""
+    source = law("return c * v + (0.0 if c < 1.0 else math.inf), 0.0, ()", k="A")
+    with pytest.raises(UserError, match=r"no finite force for a sinusoid within A = 1 mm"):
+        require_dissipation("broken", source, *RANGE, proved=True)
+
+
 def test_a_place_that_pushes_along_is_told_where_no_cycle_gains_by_it(declared):
     """What it pushes along in a window of 2 um at the highest speeds is less than what the way there costs."""
     law = declared(force="-q*2*v*exp(-((y - 1.23)/0.0003)**2)*exp(-((v - 200)/5)**2)")
