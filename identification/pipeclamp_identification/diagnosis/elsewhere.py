@@ -25,8 +25,8 @@ class Elsewhere:
     """What a law errs elsewhere than on its tests' kept harmonics.
 
     Attributes:
-        left_out: on groups that are left out, scatter taken off, as a share of the noise; zero where nothing that the law
-            leaves over follows the conditions.
+        left_out: on groups that are left out, scatter taken off, as a share of the noise; zero where nothing that the
+            law leaves over follows the conditions.
         worst: what it errs more on a level between others that is left out; None where no level lies between.
         beyond: what it leaves over beyond the kept harmonics.
     """
