@@ -9,7 +9,13 @@ from typing import NamedTuple
 
 from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures
-from pipeclamp_identification.campaign.plausibility import contradiction, implausible, makes_energy, unless_contradicted
+from pipeclamp_identification.campaign.plausibility import (
+    contradiction,
+    falls_with_displacement,
+    implausible,
+    makes_energy,
+    unless_contradicted,
+)
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
@@ -88,6 +94,7 @@ def judge_runs(
         raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in lost)]))
     kept = {run: one for run, one in sines.items() if run not in left_out}
     settings, contradicted = _settings(kept)
+    fundamentals = {run: one.shown for run, (_, one) in kept.items()}
     failures = [(one.run, one.failure) for one in lost if one.failure and one.run not in sensors.failed]
     return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
@@ -103,7 +110,7 @@ def judge_runs(
             *sensors.told,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
-            *filter(None, [makes_energy({run: one.shown for run, (_, one) in kept.items()})]),
+            *filter(None, [makes_energy(fundamentals), falls_with_displacement(fundamentals)]),
             *_moving_from_the_start(moving),
         ),
     )

@@ -20,7 +20,8 @@ MOST_NAMED = 3
 SURE_STANDARD_ERRORS = 3.0
 """Standard errors by which something must be negative: a clamp without loss shows either sign."""
 BEYOND_DOUBT = 5.0
-"""Standard errors by which a loop must make energy to be told: of hundreds without loss none does so by chance."""
+"""Standard errors by which a loop must make energy, or its force fall with the displacement, to be told: of hundreds
+without loss, or without stiffness, none does so by chance."""
 WRONG_UNITS = 100.0
 """Factor between a run's dynamic stiffness and that of most others that units make, whose prefixes differ by 1000. A
 device whose force hardly follows the amplitude may span as much, but from run to run; hence also the next one."""
@@ -117,29 +118,50 @@ def reversed_sign(fundamental: Fundamental) -> str | None:
 def makes_energy(shown: Mapping[str, Fundamental]) -> str:
     """Say in how many runs the loop makes energy, beyond scatter, as no passive device does; empty where none does.
 
-    A run's scatter from few cycles is rough: it counts as that of the run in the middle at least.
-
     Args:
         shown: fundamentals by run, of those that can be used.
     """
-    moving = {run: one for run, one in shown.items() if one.stiffness}
-    if not moving:
-        return ""
-    size = {run: abs(one.stiffness) for run, one in moving.items()}
-    usual = float(np.median([one.standard_error / size[run] for run, one in moving.items()]))
     # of a force that is a sine, dW over 2 pi times the energy stored at most
-    loss = {run: one.stiffness.imag / size[run] for run, one in moving.items()}
-    making = [run for run in moving if loss[run] < -BEYOND_DOUBT * max(moving[run].standard_error / size[run], usual)]
+    loss = {run: one.stiffness.imag / abs(one.stiffness) for run, one in shown.items() if one.stiffness}
+    making = _surely_negative(loss, shown)
     if not making:
         return ""
     worst = min(making, key=lambda run: loss[run])
     makes = "loops make" if len(making) > 1 else "loop makes"
-    of_worst = f"loss factor {loss[worst]:.2g} of its fundamental, {moving[worst].dissipated_energy:.3g} J a cycle"
+    of_worst = f"loss factor {loss[worst]:.2g} of its fundamental, {shown[worst].dissipated_energy:.3g} J a cycle"
     return (
         f"in {len(making)} of {len(shown)} runs the {makes} energy, most in run {worst!r} ({of_worst}), as no passive "
         "device does: check the sign of force and displacement, the order of the columns, and a delay between the "
         "channels"
     )
+
+
+def falls_with_displacement(shown: Mapping[str, Fundamental]) -> str:
+    """Say in how many runs the force falls with the displacement, beyond scatter; empty where it does in none.
+
+    Args:
+        shown: fundamentals by run, of those that can be used.
+    """
+    elastic = {run: one.stiffness.real / abs(one.stiffness) for run, one in shown.items() if one.stiffness}
+    falling = _surely_negative(elastic, shown)
+    if not falling:
+        return ""
+    worst = min(falling, key=lambda run: elastic[run])
+    return (
+        f"in {len(falling)} of {len(shown)} runs the force falls with the displacement, most in run {worst!r} "
+        f"({shown[worst].stiffness.real:.4g} N/mm): a mass between the device and the force sensor makes that, or a "
+        "mass in the device, a long delay between the channels, or another column than the force"
+    )
+
+
+def _surely_negative(shares: Mapping[str, float], shown: Mapping[str, Fundamental]) -> list[str]:
+    """Give the runs in which a share of the dynamic stiffness is negative beyond doubt.
+
+    A run's scatter from few cycles is rough: it counts as that of the run in the middle at least.
+    """
+    doubt = {run: shown[run].standard_error / abs(shown[run].stiffness) for run in shares}
+    usual = float(np.median([*doubt.values()])) if doubt else 0.0
+    return [run for run, share in shares.items() if share < -BEYOND_DOUBT * max(doubt[run], usual)]
 
 
 def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:
