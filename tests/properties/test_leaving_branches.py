@@ -66,11 +66,10 @@ def test_stable_motions_behind_a_gap_are_found_where_the_symmetric_one_is_unstab
 
 
 def test_the_branch_joins_the_curve_at_both_ends_and_its_mirror_image_is_left_out(curve: Curve) -> None:
-    balance = system()
     (branch,) = curve.leaving
-    for end in (branch[0], branch[-1]):
-        (symmetric,) = balance.crossings(curve.followed.states, end.frequency)
-        assert amplitude(end) == pytest.approx(amplitude(symmetric), rel=0.01)
+    along = [(state.frequency, amplitude(state)) for state in curve.followed.states]
+    for end in (branch[0], branch[-1]):  # where they meet no solver tells them apart
+        assert amplitude(end) == pytest.approx(np.interp(end.frequency, *zip(*along, strict=True)), rel=0.01)
     means = np.array([state.clamps[0, 0].real for state in branch[1:-1]])
     assert np.all(means > 0) or np.all(means < 0)
     assert curve.detached == ()

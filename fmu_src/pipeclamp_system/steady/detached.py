@@ -69,14 +69,18 @@ def leaving_branches(
 
 
 def _ends_between(system: SteadySystem, branch: Sequence[SteadyState], before: SteadyState, after: SteadyState) -> bool:
-    """Tell whether a branch leaves a curve between two of its states, no farther from it than these are apart."""
-    ends = system.matched([_solution(before).unknowns, _solution(after).unknowns])
-    apart = np.abs(ends[1] - ends[0]).max()
+    """Tell whether a branch leaves a curve between two of its states, no farther from it than these are apart.
+
+    The curve is taken for straight there: where a branch leaves it, no solver tells the two of them apart.
+    """
     for state in (branch[0], branch[-1]):
-        for met in system.solutions([before, after], state.frequency):
-            here, there = system.matched([_solution(state).unknowns, met])
-            if np.abs(here - system.lopsided(here) - there).max() <= apart:
-                return True
+        if (before.frequency - state.frequency) * (after.frequency - state.frequency) > 0:
+            continue
+        here, first, last = system.matched([_solution(one).unknowns for one in (state, before, after)])
+        share = (state.frequency - before.frequency) / ((after.frequency - before.frequency) or 1.0)
+        there = first + share * (last - first)
+        if np.abs(here - system.lopsided(here) - there).max() <= np.abs(last - first).max():
+            return True
     return False
 
 

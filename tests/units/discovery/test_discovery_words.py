@@ -66,7 +66,7 @@ def test_who_can_not_tell_two_causes_apart_is_told_a_way_on(monkeypatch, verdict
     """He had been told that the catalogue has what is missing, and to add "it", of two effects."""
     found = SimpleNamespace(verdict=verdict, kind="cause", effects=causes)
     monkeypatch.setattr(discover, "diagnosed", lambda *given, **options: found)
-    monkeypatch.setattr(discover, "condition_groups", lambda loops: np.arange(12))
+    monkeypatch.setattr(discover, "amplitude_and_frequency_groups", lambda loops: np.arange(12))
     reason = discover.search(None, None, SimpleNamespace(rows=()), workers=ALONE).reason
     assert told in reason
     assert untold not in reason

@@ -11,6 +11,7 @@ from project import DECLARED_EFFECTS
 
 from pipeclamp_identification.diagnosis.screen import fits_beside
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.kept import FOLDER_VARIABLE
 from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.declaration import Declaration, merged
@@ -206,5 +207,6 @@ def test_what_is_derived_of_expressions_has_a_bound_of_time(write, monkeypatch):
 
     monkeypatch.setattr(bounded, "MOST_SECONDS_DERIVING", 0.2)
     monkeypatch.setattr(sys.modules[write.__module__], "stepping", forever)
+    monkeypatch.setenv(FOLDER_VARIABLE, "")  # what was kept isn't derived
     with pytest.raises(UserError, match=r"more than 0\.2 s to be worked out"):
         write(law_of(open_law("emwm2")).structure)
