@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -121,14 +121,15 @@ def makes_energy(shown: Mapping[str, Fundamental]) -> str:
     Args:
         shown: fundamentals by run, of those that can be used.
     """
-    # of a force that is a sine, dW over 2 pi times the energy stored at most
-    loss = {run: one.stiffness.imag / abs(one.stiffness) for run, one in shown.items() if one.stiffness}
-    making = _surely_negative(loss, shown)
+    making = _surely_negative(shown, lambda stiffness: stiffness.imag)
     if not making:
         return ""
-    worst = min(making, key=lambda run: loss[run])
+    worst = making[0]
     makes = "loops make" if len(making) > 1 else "loop makes"
-    of_worst = f"loss factor {loss[worst]:.2g} of its fundamental, {shown[worst].dissipated_energy:.3g} J a cycle"
+    k = shown[worst].stiffness
+    # of a force that is a sine, dW over 2 pi times the energy stored at most
+    loss = k.imag / abs(k)
+    of_worst = f"loss factor {loss:.2g} of its fundamental, {shown[worst].dissipated_energy:.3g} J a cycle"
     return (
         f"in {len(making)} of {len(shown)} runs the {makes} energy, most in run {worst!r} ({of_worst}), as no passive "
         "device does: check the sign of force and displacement, the order of the columns, and a delay between the "
@@ -142,11 +143,10 @@ def falls_with_displacement(shown: Mapping[str, Fundamental]) -> str:
     Args:
         shown: fundamentals by run, of those that can be used.
     """
-    elastic = {run: one.stiffness.real / abs(one.stiffness) for run, one in shown.items() if one.stiffness}
-    falling = _surely_negative(elastic, shown)
+    falling = _surely_negative(shown, lambda stiffness: stiffness.real)
     if not falling:
         return ""
-    worst = min(falling, key=lambda run: elastic[run])
+    worst = falling[0]
     return (
         f"in {len(falling)} of {len(shown)} runs the force falls with the displacement, most in run {worst!r} "
         f"({shown[worst].stiffness.real:.4g} N/mm): a mass between the device and the force sensor makes that, or a "
@@ -154,14 +154,17 @@ def falls_with_displacement(shown: Mapping[str, Fundamental]) -> str:
     )
 
 
-def _surely_negative(shares: Mapping[str, float], shown: Mapping[str, Fundamental]) -> list[str]:
-    """Give the runs in which a share of the dynamic stiffness is negative beyond doubt.
+def _surely_negative(shown: Mapping[str, Fundamental], part: Callable[[complex], float]) -> list[str]:
+    """Give the runs in which a part of the dynamic stiffness is negative beyond doubt, that of the largest share first.
 
     A run's scatter from few cycles is rough: it counts as that of the run in the middle at least.
     """
-    doubt = {run: shown[run].standard_error / abs(shown[run].stiffness) for run in shares}
+    size = {run: abs(one.stiffness) for run, one in shown.items() if one.stiffness}
+    share = {run: part(shown[run].stiffness) / size[run] for run in size}
+    doubt = {run: shown[run].standard_error / size[run] for run in size}
     usual = float(np.median([*doubt.values()])) if doubt else 0.0
-    return [run for run, share in shares.items() if share < -BEYOND_DOUBT * max(doubt[run], usual)]
+    negative = [run for run in size if share[run] < -BEYOND_DOUBT * max(doubt[run], usual)]
+    return sorted(negative, key=share.__getitem__)
 
 
 def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:

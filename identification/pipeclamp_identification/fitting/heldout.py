@@ -18,7 +18,6 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 
 FOLDS = 8
-TWO_GROUPS = 2
 CLOSELY = 1e-6
 """Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
 
@@ -30,11 +29,10 @@ def condition_groups(loops: Loops) -> IntArray:
     every condition alike, and where there is one, each run is a group of its own.
     """
     groups = amplitude_and_frequency_groups(loops)
-    if groups.max() + 1 == TWO_GROUPS:
-        slow = (loops.temperature_K, loops.density_g_cm3, *loops.conditions.values())
-        levels = [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in slow]
-        groups = _distinct([groups, *levels])
-    return _each_its_own(loops) if groups.max() == 0 else groups
+    if groups.max() == 1:
+        every = (loops.temperature_K, loops.density_g_cm3, *loops.conditions.values())
+        return _alike((loops.amplitude_mm, loops.frequency_Hz, *every))
+    return groups if groups.max() else np.unique(loops.run, return_inverse=True)[1].astype(np.intp)
 
 
 def amplitude_and_frequency_groups(loops: Loops) -> IntArray:
@@ -42,17 +40,13 @@ def amplitude_and_frequency_groups(loops: Loops) -> IntArray:
 
     Where conditions lie so dense that they would all be the same, classes of them make the groups.
     """
-    conditions = (loops.amplitude_mm, loops.frequency_Hz)
-    return _distinct([_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in conditions])
+    return _alike((loops.amplitude_mm, loops.frequency_Hz))
 
 
-def _distinct(numbers: Sequence[IntArray]) -> IntArray:
-    """Give each loop the number of what it has of all of these, shape (R,)."""
-    return np.unique(np.stack(numbers, axis=1), axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
-
-
-def _each_its_own(loops: Loops) -> IntArray:
-    return np.unique(loops.run, return_inverse=True)[1].astype(np.intp)
+def _alike(quantities: Sequence[Array]) -> IntArray:
+    """Give each loop the number of those that have the same levels of all quantities, shape (R,)."""
+    levels = [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in quantities]
+    return np.unique(np.stack(levels, axis=1), axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
 
 
 def are_at_one_condition(loops: Loops) -> bool:
