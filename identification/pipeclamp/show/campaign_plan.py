@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.further_test.limits import limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import campaign_plan_answer
 from pipeclamp_identification.planning.telling import NAMED
@@ -66,6 +66,8 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         f"{', '.join(f'{value:g}' for value in sorted({getattr(run, name) for run in plan.runs}))} {unit}"
         for name, unit in (("amplitude_mm", "mm"), ("frequency_Hz", "Hz"), ("temperature_C", "°C"))
     ]
+    if not plan.timed:
+        levels[1] = "a cycle at any slow rate, which is called a second in its files"
     often = "once" if plan.repeats == 1 else f"{plan.repeats} times"
     lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]
     lines.append(
@@ -83,11 +85,12 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
             f"{', '.join(scene.not_reckoned)}."
         )
     asked, times = plan.asked, plan.asked.times
+    limits = plan.limits if plan.timed else plan.limits.with_range("f", Limits().frequency)
     lines.append(
         f"Reckoned with the base of law {plan.law}, {asked.noise_N:g} N rms noise of the force at {asked.rate:g} "
         f"samples a second, {asked.scatter:.2%} scatter from run to run, {times.heating:g} K a minute, "
         f"{times.soak_min:g} min at each new temperature, {times.pause_s:g} s between runs; within "
-        f"{limits_words(plan.limits)}. An effect of another form than the catalogue's needs more."
+        f"{limits_words(limits)}. An effect of another form than the catalogue's needs more."
     )
     if folder:
         tried = shell_line("rig", plan.law, "-o", "virtual", "--plan", str(folder), "--effects", FOR_EXAMPLE)

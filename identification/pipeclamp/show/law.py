@@ -69,7 +69,7 @@ def doubts(file: LawFile) -> list[str]:
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
     ]
-    untimed = (UNTIMED,) if file.data.time_measured is False else ()
+    untimed = (UNTIMED,) if not file.data.is_timed else ()
     lines += [f"Of its data: {words}." for words in (*untimed, *(file.data.warnings or ()))]
     if file.fit and file.fit.unsettled:
         lines.append(

@@ -157,7 +157,7 @@ def metrics_diagnosed(
     """
     comparison = compare_metrics(file, campaign)
     diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, progress=progress)
-    test = next_metric_test(diagnosis, limits)
+    test = next_metric_test(diagnosis, limits, timed=campaign.time_measured)
     proposal, no_test = (None, test.words) if isinstance(test, NoTest) else (test, "")
     found = MetricDiagnosed(diagnosis, campaign, comparison, proposal, no_test)
     return by_history(found, file, campaign.fingerprint, declared)

@@ -68,14 +68,22 @@ class MetricProposal:
         )
 
 
-def next_metric_test(diagnosis: MetricDiagnosis, limits: Limits | None = None) -> MetricProposal | NoTest | None:
-    """Give the sine that separates the two closest rivals of an ambiguous diagnosis best; None where there are none."""
+def next_metric_test(
+    diagnosis: MetricDiagnosis, limits: Limits | None = None, *, timed: bool = True
+) -> MetricProposal | NoTest | None:
+    """Give the sine that separates the two closest rivals of an ambiguous diagnosis best; None where there are none.
+
+    Args:
+        diagnosis: the ambiguous one.
+        limits: what the rig can do.
+        timed: whether the tests' time was measured.
+    """
     if diagnosis.verdict != "ambiguous":
         return None
     rivals = diagnosis.found.laws[:2]
     names = [rival.effects[0] for rival in rivals]
     so_far = diagnosis.observations.motion
-    within = reach(so_far, limits)
+    within = reach(so_far, limits, timed=timed)
     A, f = drivable(
         PROFILES[SINE],
         np.geomspace(*within.amplitude, LEVELS_OF_A_AND_F),

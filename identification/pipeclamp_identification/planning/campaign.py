@@ -107,6 +107,7 @@ class CampaignPlan:
         law: name of the law that the clamp is expected to be like.
         asked: what it was planned for.
         limits: closed ones, within which it lies.
+        timed: whether the law's tests had a time; otherwise its frequency is a name for a cycle at any rate.
         runs: in their order.
         repeats: of each condition.
         hours: that it takes.
@@ -118,6 +119,7 @@ class CampaignPlan:
     law: str
     asked: PlanRequest
     limits: Limits
+    timed: bool
     runs: tuple[ScheduledRun, ...]
     repeats: int
     hours: float
@@ -165,8 +167,9 @@ def plan_campaign(
     best, repeats, runs, found = min(as_good, key=lambda each: each[0].hours)
     stages = tuple(_stages(runs, levels, view, asked))
     return CampaignPlan(
-        file.name, asked, levels.limits, runs, repeats, best.hours, found, stages, tuple(dict.fromkeys(tried))
-    )
+        file.name, asked, levels.limits, file.data.is_timed, runs, repeats, best.hours, found, stages,
+        tuple(dict.fromkeys(tried)),
+    )  # fmt: skip
 
 
 def _schedules(levels: _Levels, asked: PlanRequest) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
@@ -187,7 +190,7 @@ def _within(file: LawFile, limits: Limits | None) -> Limits:
     assert A is not None and f is not None, "a law's file holds both"
     celsius = (T.minimum - CELSIUS, T.maximum - CELSIUS) if T else (LABORATORY, LABORATORY)
     ends = replace(Limits(), amplitude=(A.minimum, A.maximum), frequency=(f.minimum, f.maximum), temperature=celsius)
-    return reach_around(ends.amplitude, ends.frequency, ends.temperature, limits or ends)
+    return reach_around(ends.amplitude, ends.frequency, ends.temperature, limits or ends, timed=file.data.is_timed)
 
 
 class _Levels:

@@ -96,7 +96,7 @@ def campaign_plan_answer(plan: CampaignPlan) -> CampaignPlanAnswer:
 def plan_files(plan: CampaignPlan, name: str, command: str) -> Iterator[tuple[str, bytes]]:
     """Give the files of a plan: its order, drive signals, and a campaign that waits for its records."""
     yield TABLE, table_text(plan.runs).encode()
-    yield DESCRIPTION, description_text(name, f"Planned: {command}").encode()
+    yield DESCRIPTION, description_text(name, f"Planned: {command}", time_measured=plan.timed).encode()
     yield RUNS, _runs_text(plan).encode()
     for file, (A, f) in {run.drive: (run.amplitude_mm, run.frequency_Hz) for run in plan.runs}.items():
         yield file, drive_content(DrivePlan(PROFILES[SINE], A, f).signal(), Path(file))

@@ -121,7 +121,9 @@ def reach_of(file: LawFile, limits: Limits | None, celsius: float) -> Limits:
     """
     A, f, T = file.range["A"], file.range["f"], file.range.get("T")
     tested = (T.minimum - CELSIUS, T.maximum - CELSIUS) if T else (celsius, celsius)
-    return reach_around((A.minimum, A.maximum), (f.minimum, f.maximum), tested, limits, warmed=T is not None)
+    return reach_around(
+        (A.minimum, A.maximum), (f.minimum, f.maximum), tested, limits, warmed=T is not None, timed=file.data.is_timed
+    )
 
 
 def loop_tests(

@@ -139,6 +139,9 @@ def scene(
     for effect in listed():
         if effect.part == "base":
             continue
+        if effect.is_of_time and not file.data.is_timed:
+            left.append(effect.id)
+            continue
         progress(effect.id)
         try:
             typical = _beyond(typical_law(file, effect.id, grid), motion, force)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeclamp_identification.comparison.compare import Comparison
@@ -25,13 +27,19 @@ def after_comparison(law: str, tests: str, held: Held) -> str:
             them, else for a campaign of sines that reaches as far as they do.
     """
     if isinstance(held, Comparison) and 0 < len(held.runs) < FEWEST_RUNS:
-        return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(_around(held.loops)))
+        return _plan_line(law, _around(held.loops), held)
     if not isinstance(held, Comparison) or held.runs:
         return shell_line("diagnose", law, tests, "--report", "diagnosis.html")
     found = along_free(held.free)
     if found.scatter_explains:
         return shell_line("build-fmu", law, "-o", f"{stem_of(law)}.fmu", "--track")
-    return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(found.reach))
+    return _plan_line(law, found.reach, held)
+
+
+def _plan_line(law: str, reach: Limits, held: Comparison) -> str:
+    """Give the line that plans tests within this reach; frequencies mean nothing where no time was measured."""
+    stated = reach if held.campaign.time_measured else replace(reach, frequency=Limits().frequency)
+    return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(stated))
 
 
 def _around(loops: Loops) -> Limits:

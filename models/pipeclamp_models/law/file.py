@@ -102,6 +102,11 @@ class DataSource(LawFilePart):
     warnings: tuple[str, ...] | None = None
     time_measured: Literal[False] | None = None
 
+    @property
+    def is_timed(self) -> bool:
+        """Whether its speeds and frequencies mean something."""
+        return self.time_measured is None
+
 
 class RunQuality(LawFilePart):
     """How well the law fits one run; nrmse: root of the summed squared error over the summed squared force."""

@@ -1,6 +1,8 @@
 """What an error along free motions alone calls for: no more than scatter an FMU, more than that sines to diagnose."""
 
 import shlex
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from typer.main import get_command
 
 from pipeclamp.cli.app import app
 from pipeclamp.show.comparison import how_much
+from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words, parse_limits
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
@@ -19,6 +22,7 @@ FORCE = 900.0 * np.sin(2 * np.pi * 1.3 * TIME) * np.sin(np.pi * TIME / 20.0)
 NOISE = np.random.default_rng(5).normal(0.0, 6.0, len(TIME))
 SLOW = np.convolve(NOISE, np.ones(40), mode="same") / np.sqrt(40.0)
 """The same noise through a sensor's low-pass filter: neighbouring samples tell next to nothing of it."""
+CAMPAIGN = Campaign(Path("quakes"), "quakes", "", (), "", ())
 
 
 def misfit(off, scatter_on_sines=None, kelvin=293.15):
@@ -86,10 +90,32 @@ def test_the_noise_is_that_of_the_samples_whatever_the_law_lacks():
     ],
 )
 def test_the_next_command_follows_from_what_was_found(off, kelvin, line):
-    held = Comparison(None, None, None, (), {}, (misfit(off, kelvin=kelvin),))
+    held = Comparison(None, CAMPAIGN, None, (), {}, (misfit(off, kelvin=kelvin),))
     assert after_comparison("law.json", "quakes", held) == line
     name, *words = shlex.split(line)[1:]
     get_command(app).commands[name].make_context(name, words, resilient_parsing=True)
+
+
+def test_no_frequency_is_asked_for_where_no_time_was_measured():
+    untimed = replace(CAMPAIGN, time_measured=False)
+    held = Comparison(None, untimed, None, (), {}, (misfit(0.1 * FORCE),))
+    assert after_comparison("law.json", "wall", held).endswith("--limits A=..0.9,T=20..20")
+
+
+def test_corner_points_of_loops_show_no_scatter():
+    turning = np.arange(len(TIME)) % 2
+    corners = replace(misfit(0.1 * FORCE), y=2.0 * turning - 1.0, measured=900.0 * turning)
+    found = along_free([corners])
+    assert found.scatter is None
+    assert "too far apart to show noise" in found.scatter_words()
+    assert along_free([replace(corners, scatter_on_sines=0.02)]).scatter == 0.02
+
+
+def test_the_corners_of_a_law_that_errs_are_no_noise():
+    law = misfit(0.0).computed + 500.0 * np.sign(np.sin(900.0 * TIME))
+    assert along_free([replace(misfit(NOISE), computed=law)]).scatter == pytest.approx(
+        np.std(NOISE) / np.std(FORCE), rel=0.1
+    )
 
 
 @pytest.mark.parametrize("text", ["A=..1.2", "f=0.5..,T=-20..60", "A=0.1..2,f=0.5..20,T=20..300,v=..300,F=..500"])

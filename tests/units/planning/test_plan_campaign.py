@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from few_effects import few_effects
 
+from pipeclamp.show.campaign_plan import campaign_plan_words
 from pipeclamp_identification.diagnosis.evidence import lack_of_fit
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.left_out import Whitened
@@ -15,6 +16,7 @@ from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.planning.campaign import PlanRequest, plan_campaign
+from pipeclamp_identification.planning.campaign_answer import plan_files
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size
 from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_identification.planning.scene import scene
@@ -151,6 +153,19 @@ def test_a_plan_keeps_its_hours_and_its_limits():
     assert plan.stages[-1].newtons == pytest.approx(plan.power.from_newtons)
     with pytest.raises(UsageError, match="no campaign fits into that; the shortest takes"):
         plan_campaign(open_law("emwm2"), limits, PlanRequest(hours=0.01))
+
+
+def test_where_no_time_was_measured_no_frequency_is_varied():
+    file = open_law("emwm2")
+    untimed = file.model_copy(update={"data": file.data.model_copy(update={"time_measured": False})})
+    with few_effects("relaxation", "offset"):
+        plan = plan_campaign(untimed, parse_limits("A=0.3..0.6,f=1..9,v=..0.1,T=20..20"))
+    assert len({run.frequency_Hz for run in plan.runs}) == 1 < len({run.amplitude_mm for run in plan.runs})
+    assert plan.power.scene.effects == ("offset",)
+    assert "relaxation" in plan.power.scene.not_reckoned
+    words = " ".join(campaign_plan_words(plan))
+    assert "at any slow rate" in words and "Hz" not in words and "f=" not in words
+    assert b"time_measured = false" in dict(plan_files(plan, "planned", "plan"))["campaign.toml"]
 
 
 def test_the_table_is_read_back(tmp_path):

@@ -128,28 +128,40 @@ def limits_words(limits: Limits) -> str:
     return ",".join([*words, *(f"{symbol}=..{end:.3g}" for symbol, end in largest.items() if math.isfinite(end))])
 
 
-def reach(tested: Motion, stated: Limits | None) -> Limits:
+def reach(tested: Motion, stated: Limits | None, *, timed: bool = True) -> Limits:
     """Give where the next test is sought: within the stated limits; where one is open, around what was tested.
 
     Where the temperature of the tests isn't known, it stays the assumed one: laws foretell nothing of another.
+
+    Args:
+        tested: the motions so far.
+        stated: what the rig can do.
+        timed: whether their time was measured.
 
     Returns:
         limits whose ranges of amplitude, frequency and temperature are finite.
     """
     A, f, T = (span(tested, name) for name in ("A", "f", "T"))
     celsius = (T[0] - CELSIUS, T[1] - CELSIUS)
-    return reach_around(A, f, celsius, stated, warmed="T" not in tested.assumed)
+    return reach_around(A, f, celsius, stated, warmed="T" not in tested.assumed, timed=timed)
 
 
-def reach_around(A: Range, f: Range, celsius: Range, stated: Limits | None, *, warmed: bool = True) -> Limits:
+def reach_around(
+    A: Range, f: Range, celsius: Range, stated: Limits | None, *, warmed: bool = True, timed: bool = True
+) -> Limits:
     """Give where tests are sought: within the stated limits; where one is open, around what was tested.
 
     Args:
         A, f, celsius: lowest and highest amplitude (mm), frequency (Hz) and temperature (degC) so far.
         stated: what the rig can do.
         warmed: whether another temperature than those may be tested at all.
+        timed: whether the tests' time was measured. Otherwise a cycle counts for a second, at any rate that the rig is
+            driven: the frequency stays what it is called, and no limit bounds it or the velocity.
     """
     stated = stated or Limits()
+    if not timed:
+        middle = math.sqrt(f[0] * f[1])
+        f, stated = (middle, middle), replace(stated, frequency=(middle, middle), velocity=math.inf)
     return replace(
         stated,
         amplitude=_closed(stated.amplitude, (REACH_A[0] * A[0], REACH_A[1] * A[1]), 0.0),

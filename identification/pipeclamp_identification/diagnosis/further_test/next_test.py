@@ -142,6 +142,11 @@ class _TestSearch:
     tested: Mapping[str, tuple[float, float]]
     further: ConditionArrays
 
+    @property
+    def timed(self) -> bool:
+        """Whether the tests' time was measured."""
+        return self.diagnosis.problem.loops.time_measured
+
     def outlooks(self, limits: Limits, levels: Mapping[str, Array] | None = None) -> list[Outlook]:
         """Tell what tests within limits would tell, of each profile that they let be driven; closed ranges needed.
 
@@ -160,6 +165,8 @@ class _TestSearch:
 
     def _grid(self, profile: Profile, limits: Limits, levels: Mapping[str, Array]) -> ConditionArrays:
         """Give every combination of conditions that keeps the limits."""
+        if not self.timed:  # small cycles that ride on a large one bring no rate that means anything
+            limits = limits.with_range("f", (limits.frequency[0], limits.frequency[0] * profile.highest_order))
         (A_low, A_high), (f_low, f_high) = limits.amplitude, limits.frequency
         spread = {
             "A": np.geomspace(A_low, A_high / profile.peak_displacement, LEVELS_OF_A_AND_F),
@@ -203,7 +210,7 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
     so_far = diagnosis.problem.observations.motion
     tested = {name: span(so_far, name) for name in ("A", "f", "T")}
     search = _TestSearch(diagnosis, names, rivals, tested, _further_levels(rivals, diagnosis))
-    within = reach(so_far, limits)
+    within = reach(so_far, limits, timed=search.timed)
     outlooks = search.outlooks(within)
     if not any(outlook.tells.any() for outlook in outlooks):
         return NoTest(_why_none(search, within, outlooks))
@@ -257,7 +264,7 @@ class _Bound:
 
 def _bounds(search: _TestSearch, limits: Limits) -> Iterator[_Bound]:
     """Give the ends of limits that could give way, one at a time."""
-    for symbol in ("A", "f"):
+    for symbol in ("A", "f") if search.timed else ("A",):
         low, high = limits.range(symbol)
         for upper, ends in ((True, (high, BOUND_WIDENING * high)), (False, (low / BOUND_WIDENING, low))):
             wide = limits.with_range(symbol, (min(low, ends[0]), max(high, ends[1])))
