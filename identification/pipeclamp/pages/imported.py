@@ -109,7 +109,7 @@ def _loops(found: ImportedRecords) -> list[Section]:
     pictures = [
         loops_picture(
             shown[begin : begin + PANELS],
-            f"Loops {begin + 1} to {min(begin + PANELS, len(shown))}",
+            f"Loops {begin + 1} to {min(begin + PANELS, len(shown))}" if len(shown) > 1 else "The loop",
         )
         for begin in range(0, len(shown), PANELS)
     ]
@@ -154,7 +154,7 @@ def _first_look(title: str, figure: go.Figure) -> dict[str, str]:
 
 def _panel(loop: ShownLoop) -> LoopPanel:
     name = loop.run if len(loop.run) <= LONGEST_NAME_SHOWN else f"{loop.run[:LONGEST_NAME_SHOWN]}…"
-    return LoopPanel(f"{name} ({loop.cycles} cycles)", loop.displacement, loop.force, None)
+    return LoopPanel(f"{name} ({counted(loop.cycles, 'cycle')})", loop.displacement, loop.force, None)
 
 
 def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:

@@ -18,6 +18,9 @@ from pipeclamp_models.base.arrays import Array
 Drawn = npt.NDArray[np.float32]
 
 PANELS_PER_ROW = 4
+ALONE = 0.5
+"""Share of the width that a loop takes which stands alone."""
+ALONE_HEIGHT = 440
 PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 250, 200
 LEAST_PANEL_WIDTH = 230
 FEW = 12
@@ -57,7 +60,10 @@ def loops_picture(
     In a narrow window they stand below each other.
     """
     wide = _loops_in(min(per_row, len(panels)), panels, title, names)
-    return with_narrow(wide, _loops_in(1, panels, title, names)) if len(panels) > 1 else wide
+    if len(panels) == 1:  # drawn over the whole width, a loop is a line
+        wide.update_xaxes(domain=[0.0, ALONE]).update_annotations(x=ALONE / 2)
+        wide.update_layout(height=ALONE_HEIGHT, meta=3 * LEAST_PANEL_WIDTH)
+    return with_narrow(wide, _loops_in(1, panels, title, names))
 
 
 def _loops_in(columns: int, panels: Sequence[LoopPanel], title: str, names: tuple[str, str]) -> go.Figure:

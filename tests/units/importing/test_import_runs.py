@@ -94,6 +94,16 @@ def test_a_program_that_was_driven_by_hand_is_parted():
     assert len(parts(*pieces).runs) == 5
 
 
+def test_half_cycles_of_two_that_scatter_are_one_level():
+    """A wall's two ways of a cycle had differed by 5.4 %, and steps of two cycles had stayed one run."""
+    pieces = [
+        amplitude * side * np.sin(2 * np.pi * np.arange(RATE) / RATE)
+        for amplitude in (0.44, 0.83, 1.6)
+        for side in (1.0, 0.94)
+    ]
+    assert len(parts(*pieces).runs) == 3
+
+
 def test_a_way_to_the_next_level_that_turns_once_is_no_rest():
     """The program goes on about another place, so that the way there turns, and turns back, within a moment."""
     cut = parts(sine(1, 1, 4), -0.15 + sine(0.6, 1, 4))
@@ -490,8 +500,8 @@ def grown(amplitudes, step=0.1, beyond=0.37):
 def test_a_stated_column_parts_a_program_of_one_cycle_a_step(tmp_path):
     """A steel damper's test had stayed one free motion, and the column that was stated had done nothing."""
     y, force, cycle = grown([1.0, 1.4, 2.0, 2.8, 4.0])
-    rows = [f"{a:.5f},{b:.3f},{c:g}" for a, b, c in zip(y, force, cycle, strict=True)]
-    (tmp_path / "steps.csv").write_text("\n".join(["Displacement [mm],Force [N],Cycle", *rows]))
+    rows = [f"{a:.5f},{b:.3f},{c:g},{row}" for row, (a, b, c) in enumerate(zip(y, force, cycle, strict=True))]
+    (tmp_path / "steps.csv").write_text("\n".join(["Displacement [mm],Force [N],Cycle,Row", *rows]))
     whole = pc.import_files(tmp_path / "steps.csv", tmp_path / "whole", rate=10)
     assert not whole.found.judged.sines
     with pytest.raises(UserError, match="parted by a column that numbers its cycles"):
@@ -499,6 +509,10 @@ def test_a_stated_column_parts_a_program_of_one_cycle_a_step(tmp_path):
     found = pc.import_files(tmp_path / "steps.csv", tmp_path / "c", columns="segment=Cycle", rate="none")
     runs = found.found.judged.sines
     assert len(runs) == 5 and all(run.cycles.count == 1 for run in runs.values())
+    with pytest.raises(
+        UserError, match=r"steps\.csv.*--columns segment: it changes \d+ times in \d+ samples; expected"
+    ):
+        pc.import_files(tmp_path / "steps.csv", tmp_path / "f", columns="segment=Row", rate="none")
     # a counter that nobody stated tells none apart, as before
     assert len(parts(*[sine(0.5, 2, 8), sine(0.5, 2, 8)], segment=np.arange(1600) // 100.0).runs) == 1
 

@@ -42,6 +42,8 @@ WIDEST_OVERVIEW = 600
 """Stretches that a picture of a whole table is thinned out to."""
 WORTH_PROCESSES = 24_000_000
 """Bytes of files from which on they are taken by several processes, which take a second or two to begin."""
+MOST_CHANGES = 0.25
+"""Share of samples that a column which parts runs may change at: four are too few for a loop."""
 LARGE = 64_000_000
 """Bytes of a file that one process reads by itself; its parts are handed to others."""
 
@@ -155,6 +157,12 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
         surely = any(column.ours == SEGMENT and column.stated for column in columns)
         segment = segment_of(table, columns, timed)
         bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment, surely=surely)
+        if surely and (changes := len(bounds) - 2) > MOST_CHANGES * len(own):
+            raise UnusableFileError(
+                where,
+                f"--columns {SEGMENT}: it changes {changes} times in {len(own)} samples; expected a channel that stays "
+                "the same within a run, such as a number of the block or of the cycle",
+            )
     inner = bounds[1:-1] if timed is None else timed[bounds[1:-1]]
     begins = [0, *inner.tolist(), table.length]
     del time, own

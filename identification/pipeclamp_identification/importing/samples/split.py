@@ -229,7 +229,7 @@ def _short_levels(turns: IntArray, ranges: Array, time: Array) -> list[_Row]:
     ways = np.log(np.maximum(ranges, 1e-300))
     stretches = [
         (begin, end)
-        for begin, end in _stretches(ways, np.zeros_like(ways))
+        for begin, end in _stretches(ways, np.zeros_like(ways), CLEAR_STEP)
         if end - begin >= FEWEST_HALVES and not _is_ramp(ways, begin, end)
     ]
     steps = np.abs(np.diff([np.median(ways[begin:end]) for begin, end in stretches]))
@@ -307,17 +307,22 @@ def _crossings(time: Array, y: Array, turns: IntArray) -> Array:
     return np.asarray(time[before] + share * (time[at] - time[before]))
 
 
-def _stretches(amplitude: Array, period: Array) -> list[tuple[int, int]]:
-    """Give rows of half cycles whose amplitude and period stay, as (first, one after the last)."""
-    if _stays(amplitude) and _stays(period):
+def _stretches(amplitude: Array, period: Array, same: float = SAME_LEVEL) -> list[tuple[int, int]]:
+    """Give rows of half cycles whose amplitude and period stay, as (first, one after the last).
+
+    Args:
+        amplitude, period: logarithms of each half cycle, shape (n,).
+        same: change from those before within which one stays.
+    """
+    if _stays(amplitude, same) and _stays(period, same):
         return [(0, len(amplitude))]
     found, begin = [], 0
     amplitudes, periods = amplitude.tolist(), period.tolist()
     for place in range(1, len(amplitude) + 1):
         since = max(begin, place - REMEMBERED)
         if place < len(amplitudes) and (
-            abs(amplitudes[place] - median(amplitudes[since:place])) < SAME_LEVEL
-            and abs(periods[place] - median(periods[since:place])) < SAME_LEVEL
+            abs(amplitudes[place] - median(amplitudes[since:place])) < same
+            and abs(periods[place] - median(periods[since:place])) < same
         ):
             continue
         found.append((begin, place))
@@ -325,17 +330,17 @@ def _stretches(amplitude: Array, period: Array) -> list[tuple[int, int]]:
     return found
 
 
-def _stays(values: Array) -> bool:
+def _stays(values: Array, same: float) -> bool:
     """Tell whether no value leaves the level of those before it."""
     begun = all(
-        abs(value - median(values[:place].tolist())) < SAME_LEVEL
+        abs(value - median(values[:place].tolist())) < same
         for place, value in enumerate(values[:REMEMBERED].tolist())
         if place
     )
     if len(values) <= REMEMBERED or not begun:
         return begun
     before = np.median(np.lib.stride_tricks.sliding_window_view(values[:-1], REMEMBERED), axis=1)
-    return bool(np.all(np.abs(values[REMEMBERED:] - before) < SAME_LEVEL))
+    return bool(np.all(np.abs(values[REMEMBERED:] - before) < same))
 
 
 def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) -> Cut:
