@@ -24,7 +24,7 @@ from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_gro
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import varies
-from pipeclamp_models.base.progress import ALONE, Workers
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
 
