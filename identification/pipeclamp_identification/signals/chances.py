@@ -35,7 +35,7 @@ def of_all(chances: Array) -> Array:
 
 def rank_correlation(one: Array, other: Array) -> float:
     """Give Spearman's rank correlation of pairs, shape (n,) each; nan where one doesn't vary."""
-    import polars
+    from pipeclamp_models.base.tables import polars
 
     pairs = polars.DataFrame({"one": one, "other": other})
     return float(pairs.select(polars.corr("one", "other", method="spearman")).item())
