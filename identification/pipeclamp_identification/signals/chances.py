@@ -35,10 +35,10 @@ def of_all(chances: Array) -> Array:
 
 def rank_correlation(one: Array, other: Array) -> float:
     """Give Spearman's rank correlation of pairs, shape (n,) each; nan where one doesn't vary."""
-    from pipeclamp_models.base.tables import polars
+    from pipeclamp_models.base.tables import pl
 
-    pairs = polars.DataFrame({"one": one, "other": other})
-    return float(pairs.select(polars.corr("one", "other", method="spearman")).item())
+    pairs = pl.DataFrame({"one": one, "other": other})
+    return float(pairs.select(pl.corr("one", "other", method="spearman")).item())
 
 
 def of_rank_correlation(correlation: float, count: int) -> float:
