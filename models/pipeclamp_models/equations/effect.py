@@ -215,6 +215,12 @@ class Effect:
         return self.force != NOTHING and not self.states and self.force.free_symbols <= own
 
     @property
+    def is_elastic(self) -> bool:
+        """Whether its force follows the displacement alone, the same way to and fro."""
+        moving = {symbols.v, symbols.a, symbols.y_previous, symbols.h}
+        return self.force != NOTHING and not self.within_steps and not self.force.free_symbols & moving
+
+    @property
     def is_of_time(self) -> bool:
         """Whether it needs tests whose time was measured: seconds stand in what it can't be without, or a speed."""
         of_time = [bool(UNIT_OF_TIME.search(one.unit)) or symbols.f in one.follows for one in self.parameters]
