@@ -26,7 +26,7 @@ from pipeclamp_identification.metrics_only.thresholds import FEWEST_FREEDOMS, RE
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
 from pipeclamp_identification.metrics_only.weighing import outdoes_in_fit
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -61,7 +61,7 @@ def candidates_of(
     campaign: MetricCampaign,
     observations: MetricObservations,
     smooth: Array,
-    tell: Progress,
+    workers: Workers,
 ) -> Candidates:
     """Fit a law as it is, with each effect that could be missing, and with all that the metrics support.
 
@@ -70,25 +70,25 @@ def candidates_of(
         campaign: the tests.
         observations: their R metrics, in units of the scatter that was expected.
         smooth: the functions of the conditions that count as smooth, shape (R, q).
-        tell: is told what is being done.
+        workers: who does it, and who is told.
 
     Raises:
         UserError: there are too few metrics for the law's parameters.
     """
     lacks = partial(_lacks, observations=observations, smooth=smooth)
-    tell("law as it is")
+    workers.tell("law as it is")
     law = judged_fit((), fit_to_metrics(structure, observations, {}, CLOSELY), observations)
     refinements = [effect.refinement for effect in structure.all_effects() if effect.refinement]
     unseen = {refinement.name for refinement in refinements if not refinement.seen_in_metrics}
     known = candidate_names(structure, campaign.condition_columns, time_measured=campaign.time_measured)
     names = [name for name in known if name not in unseen]
-    looks = _looks(law, names, observations, tell)
+    looks = _looks(law, names, observations, workers)
     thoroughly = lacks(law)
-    alone = [_with(law, one, observations, tell, thoroughly=thoroughly) for one in looks if not one.hidden]
+    alone = _with_each(law, [one for one in looks if not one.hidden], observations, workers, thoroughly=thoroughly)
     best = min((judged for judged in alone if judged.may_be_cause), key=by_score, default=law)
-    together = metric_pairs(law, alone, campaign, observations, tell) if lacks(best) else []
+    together = metric_pairs(law, alone, campaign, observations, workers) if lacks(best) else []
     law = _from_another_valley(law, [*alone, *together], observations) if thoroughly else law
-    richest = _richest(law, alone, together, names, observations, lacks, tell)
+    richest = _richest(law, alone, together, names, observations, lacks, workers)
     return Candidates(law, tuple(looks), tuple(alone), tuple(together), richest)
 
 
@@ -120,19 +120,26 @@ def _from_another_valley(
     return judged_fit((), fit_from_each(law.structure, observations, starts, CLOSELY), observations)
 
 
-def _looks(law: MetricJudged, names: Sequence[str], observations: MetricObservations, tell: Progress) -> list[Look]:
+def _looks(law: MetricJudged, names: Sequence[str], observations: MetricObservations, workers: Workers) -> list[Look]:
     looks = []
-    for name in names:
-        tell(f"look at {name}")
-        looks.append(look(law, name, observations))
+    for found in workers.share(partial(look, law, observations), names):
+        workers.tell(f"looked at {found.name}")
+        looks.append(found)
     return looks
 
 
-def _with(
-    law: MetricJudged, entry: Look, observations: MetricObservations, tell: Progress, *, thoroughly: bool
-) -> MetricJudged:
+def _with_each(
+    law: MetricJudged, entries: Sequence[Look], observations: MetricObservations, workers: Workers, *, thoroughly: bool
+) -> list[MetricJudged]:
+    fitted = []
+    for judged in workers.share(partial(_with, law, observations, thoroughly), entries):
+        workers.tell(f"fitted {' + '.join(judged.effects)}")
+        fitted.append(judged)
+    return fitted
+
+
+def _with(law: MetricJudged, observations: MetricObservations, thoroughly: bool, entry: Look) -> MetricJudged:
     effects = (*law.effects, entry.name)
-    tell(f"fit {' + '.join(effects)}")
     larger, start = with_effect(law.structure, entry.name), law.result.law.values
     # Not from the look's start alone: what one step promises doesn't tell which valley is deepest.
     if thoroughly:
@@ -147,7 +154,7 @@ def _richest(
     names: Sequence[str],
     observations: MetricObservations,
     lacks: Callable[[MetricJudged], bool],
-    tell: Progress,
+    workers: Workers,
 ) -> MetricJudged:
     """Add what the metrics support, one effect after the other, for the scatter to be told from what is left.
 
@@ -168,11 +175,11 @@ def _richest(
             break
         richest, together = best, ()
         left = [name for name in names if name not in richest.effects]
-        seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
+        seen = [entry for entry in _looks(richest, left, observations, workers) if not entry.hidden]
         seen.sort(key=lambda entry: -entry.promise)
         apart = unlike([richest.structure.effect(entry.name) for entry in seen])
         chosen = [entry for entry in seen if entry.name in apart][:ON_THE_WAY]
-        fitted = [_with(richest, entry, observations, tell, thoroughly=False) for entry in chosen]
+        fitted = _with_each(richest, chosen, observations, workers, thoroughly=False)
     return richest
 
 

@@ -14,7 +14,7 @@ from pipeclamp_identification.metrics_only.law import MetricComparison, compare_
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
 from pipeclamp_identification.metrics_only.weighing import MetricWeighed
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, structure_of
 
@@ -148,7 +148,7 @@ def metrics_diagnosed(
     *,
     declared: Collection[Declaration] = (),
     limits: Limits | None = None,
-    progress: Progress = silent,
+    workers: Workers = ALONE,
 ) -> MetricDiagnosed:
     """Diagnose the law of a parameter file on a campaign of metrics; see `diagnosis.named.by_history`.
 
@@ -156,7 +156,7 @@ def metrics_diagnosed(
         UserError: the metrics can't serve the law.
     """
     comparison = compare_metrics(file, campaign)
-    diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, progress=progress)
+    diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, workers=workers)
     test = next_metric_test(diagnosis, limits, timed=campaign.time_measured)
     proposal, no_test = (None, test.words) if isinstance(test, NoTest) else (test, "")
     found = MetricDiagnosed(diagnosis, campaign, comparison, proposal, no_test)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.signals.chances import of_larger_ratio
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array, IntArray
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_law
 
@@ -171,7 +172,9 @@ def root_mean(squares: Array) -> float:
     return float(np.sqrt(np.sum(squares) / (len(METRICS) * len(squares))))
 
 
-def heldout_squares(structure: Structure, observations: MetricObservations, start: Mapping[str, float]) -> Array:
+def heldout_squares(
+    structure: Structure, observations: MetricObservations, start: Mapping[str, float], workers: Workers = ALONE
+) -> Array:
     """Give the sum of squared logs of a structure on each run by fits without its conditions, shape (R,).
 
     Each distinct condition is left out by itself, or with few others where there are many. What only the left-out
@@ -179,12 +182,21 @@ def heldout_squares(structure: Structure, observations: MetricObservations, star
     `thresholds.WRONG_AT_MOST_LOG`.
     """
     squares = np.zeros(len(observations.dissipated_energy))
-    for used, left_out in folds(distinct_conditions(observations), MOST_FOLDS):
-        law = fit(structure, observations.rows(used), start=start, tolerance=ROUGHLY).law
-        beyond = observations.rows(left_out)
-        logs = np.abs(beyond.logs(force_of_law(law, beyond.motion).force))
-        squares[left_out] = np.sum(np.fmin(logs, WRONG_AT_MOST_LOG) ** 2, axis=1)
+    each = list(folds(distinct_conditions(observations), MOST_FOLDS))
+    work = partial(_squares_left_out, structure, observations, start)
+    for (_, left_out), found in zip(each, workers.share(work, each), strict=True):
+        squares[left_out] = found
     return squares
+
+
+def _squares_left_out(
+    structure: Structure, observations: MetricObservations, start: Mapping[str, float], fold: tuple[IntArray, IntArray]
+) -> Array:
+    used, left_out = fold
+    law = fit(structure, observations.rows(used), start=start, tolerance=ROUGHLY).law
+    beyond = observations.rows(left_out)
+    logs = np.abs(beyond.logs(force_of_law(law, beyond.motion).force))
+    return np.asarray(np.sum(np.fmin(logs, WRONG_AT_MOST_LOG) ** 2, axis=1))
 
 
 @dataclass
@@ -194,20 +206,20 @@ class LeftOutErrors:
     Attributes:
         observations: the metrics.
         few: the same at few points of the cycle, for the fits.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
     """
 
     observations: MetricObservations
     few: MetricObservations
-    tell: Progress
+    workers: Workers
     _known: dict[tuple[str, ...], Array] = field(default_factory=dict)
 
     def of_runs(self, judged: MetricJudged) -> Array:
         """Give the sum of squared logs on each run, shape (R,); see `heldout_squares`."""
         if judged.effects not in self._known:
-            self.tell(f"left-out conditions, {judged.name or 'law as it is'}")
+            self.workers.tell(f"left-out conditions, {judged.name or 'law as it is'}")
             few = as_seen_at_few(self.few, self.observations, judged.result.law)
-            found = heldout_squares(judged.structure, few, judged.result.law.values)
+            found = heldout_squares(judged.structure, few, judged.result.law.values, self.workers)
             self._known[judged.effects] = found
         return self._known[judged.effects]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from pipeclamp_identification.diagnosis.screen import candidate_names, fits, fits_beside
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
@@ -10,7 +11,7 @@ from pipeclamp_identification.metrics_only.evidence import MetricJudged, judged_
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.screen import look
 from pipeclamp_identification.metrics_only.valleys import ROUGHLY, fit_from_each, sized_by_shares
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import with_effect
 
 MOST_FIRST = 2
@@ -22,7 +23,7 @@ def metric_pairs(
     fitted: Sequence[MetricJudged],
     campaign: MetricCampaign,
     observations: MetricObservations,
-    tell: Progress,
+    workers: Workers,
 ) -> list[MetricJudged]:
     """Fit effects together with what scales only them, and none of the law: by itself neither may help.
 
@@ -31,7 +32,7 @@ def metric_pairs(
         fitted: the law with one more effect each.
         campaign: the tests.
         observations: what they were fitted to.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
     """
     after_one_step: dict[str, list[tuple[float, MetricJudged]]] = {}
     for first in fitted:
@@ -39,17 +40,27 @@ def metric_pairs(
         for name in known:
             if fits(law.structure, name) or not fits_beside(first.structure, name):
                 continue
-            seen = look(first, name, observations)
+            seen = look(first, observations, name)
             if not seen.hidden:
                 after_one_step.setdefault(name, []).append((first.squares - seen.promise, first))
+    asked = [
+        (first, second)
+        for second, firsts in after_one_step.items()
+        for _, first in sorted(firsts, key=lambda entry: entry[0])[:MOST_FIRST]
+    ]
     found = []
-    for second, firsts in after_one_step.items():
-        for _, first in sorted(firsts, key=lambda entry: entry[0])[:MOST_FIRST]:
-            effects = (*first.effects, second)
-            tell(f"fit {' and '.join(effects)}")
-            larger = with_effect(first.structure, second)
-            # the law's own values may be what keeps both from their place: without any, too
-            sized = (sized_by_shares(larger, observations, values) for values in (law.result.law.values, {}))
-            both = fit_from_each(larger, observations, (first.result.law.values, *sized), ROUGHLY)
-            found.append(judged_fit(effects, both, observations))
+    for judged in workers.share(partial(_fitted_together, law, observations), asked):
+        workers.tell(f"fitted {' and '.join(judged.effects)}")
+        found.append(judged)
     return found
+
+
+def _fitted_together(
+    law: MetricJudged, observations: MetricObservations, asked: tuple[MetricJudged, str]
+) -> MetricJudged:
+    first, second = asked
+    larger = with_effect(first.structure, second)
+    # the law's own values may be what keeps both from their place: without any, too
+    sized = (sized_by_shares(larger, observations, values) for values in (law.result.law.values, {}))
+    both = fit_from_each(larger, observations, (first.result.law.values, *sized), ROUGHLY)
+    return judged_fit((*first.effects, second), both, observations)

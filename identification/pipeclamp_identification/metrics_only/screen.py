@@ -34,13 +34,13 @@ class Look:
     promise: float
 
 
-def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look:
+def look(law: MetricJudged, observations: MetricObservations, name: str) -> Look:
     """Look at an effect beside a law.
 
     Args:
         law: the law, fitted.
-        name: the effect.
         observations: what it was fitted to.
+        name: the effect.
     """
     try:
         larger = with_effect(law.structure, name)

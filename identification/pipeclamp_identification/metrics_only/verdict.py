@@ -32,7 +32,7 @@ from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
 from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 
@@ -147,40 +147,40 @@ class MetricDiagnosis:
         return min((self.law, *self.shown), key=lambda judged: judged.score)
 
 
-def diagnose_metrics(structure: Structure, campaign: MetricCampaign, *, progress: Progress = silent) -> MetricDiagnosis:
+def diagnose_metrics(structure: Structure, campaign: MetricCampaign, *, workers: Workers = ALONE) -> MetricDiagnosis:
     """Find which effect a law lacks, from metrics.
 
     Args:
         structure: the law's structure; its parameters are refitted.
         campaign: the metrics.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
 
     Raises:
         UserError: there are too few metrics for the law's parameters.
     """
     coarse = metric_observations(campaign, samples=COARSE_SAMPLES)
     smooth = _smooth(campaign, coarse)
-    fitted = candidates_of(structure, campaign, coarse, smooth, progress)
+    fitted = candidates_of(structure, campaign, coarse, smooth, workers)
     scatter = metric_scatter_of(fitted.richest, coarse, SCATTER_BEFOREHAND)
     observations, few = (each.with_scatter(scatter.share) for each in (metric_observations(campaign), coarse))
-    progress("evidence in units of the scatter")
-    again = partial(_again, observations=observations, few=few)
+    workers.tell("evidence in units of the scatter")
+    again = partial(_again, observations, few)
     law, richest = again(fitted.law), again(fitted.richest)
-    alone, together = (sorted(map(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
+    alone, together = (sorted(workers.share(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
     chances = _chances(law, alone, together, fitted.looks, scatter)
     hidden = _hidden(fitted.looks, together, chances)
     lack = (
         chance_of_lack(law, observations, smooth, SCATTER_BEFOREHAND),
         chance_of_lack(richest, observations, smooth, SCATTER_BEFOREHAND),
     )
-    heldout = LeftOutErrors(observations, few, progress)
+    heldout = LeftOutErrors(observations, few, workers)
     scales = MetricScales(law, richest, alone, together, chances, lack, scatter, heldout.of_conditions)
     found = weigh(scales)
     rests_on: tuple[int, ...] = ()
     tested_once: tuple[str, ...] = ()
     if found.verdict == "missing":
         named = found.laws[0]
-        progress(f"what {named.name} rests on")
+        workers.tell(f"what {named.name} rests on")
         rests_on = single_rows(named.result, structure, as_seen_at_few(few, observations, named.result.law))
         tested_once = _tested_once(named, observations)
     shown = [
@@ -237,7 +237,7 @@ def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tupl
     return tuple(found)
 
 
-def _again(judged: MetricJudged, observations: MetricObservations, few: MetricObservations) -> MetricJudged:
+def _again(observations: MetricObservations, few: MetricObservations, judged: MetricJudged) -> MetricJudged:
     """Refit a law to the metrics as they are weighted now: at few points of the cycle, and from there at all."""
     seen = as_seen_at_few(few, observations, judged.result.law)
     near = fit(judged.structure, seen, start=judged.result.law.values, tolerance=CLOSELY).law.values

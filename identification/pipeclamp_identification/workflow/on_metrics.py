@@ -145,7 +145,7 @@ class MetricTests:
         """Find which effect a law lacks, see `Tests.diagnose`; so few numbers need one process only."""
         from pipeclamp_identification.metrics_only.diagnosed import metrics_diagnosed
 
-        return metrics_diagnosed(file, self.campaign, declared=declared, limits=limits, progress=workers.tell)
+        return metrics_diagnosed(file, self.campaign, declared=declared, limits=limits, workers=workers)
 
     def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
         """Two numbers a run are too few to take effects out again by."""

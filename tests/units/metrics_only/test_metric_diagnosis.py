@@ -59,7 +59,7 @@ def test_at_one_amplitude_nothing_is_fitted_or_named_that_only_a_shape_would_sho
     assert {law.result.frozen[name] for name in ("k30", "k3_A", "k3_T")} == {ONE_AMPLITUDE}
     assert law.result.law.values["k30"] == 0.0
     for name in ("gas_spring", "hardening", "end_stop"):
-        assert look(law, name, observations).hidden == ONE_AMPLITUDE
+        assert look(law, observations, name).hidden == ONE_AMPLITUDE
     assert not look(law, "damping_temperature", observations).hidden
 
 
@@ -94,17 +94,17 @@ def test_a_missing_effect_is_named_with_its_caution(named):
 
 @pytest.mark.parametrize("name", ["asymmetry", "offset", "directional_damping"])
 def test_what_metrics_dont_show_is_hidden(quiet, name):
-    assert "only a recorded loop" in look(quiet[0], name, quiet[1]).hidden
+    assert "only a recorded loop" in look(quiet[0], quiet[1], name).hidden
 
 
 @pytest.mark.parametrize(("name", "reason"), [("density", "isn't known"), ("loosening", "doesn't vary")])
 def test_what_no_condition_shows_is_hidden(quiet, name, reason):
-    assert reason in look(quiet[0], name, quiet[1]).hidden
+    assert reason in look(quiet[0], quiet[1], name).hidden
 
 
 @pytest.mark.parametrize("name", ["damping_temperature", "stiffness_frequency", "quadratic_damping"])
 def test_what_metrics_show_is_not_hidden(quiet, name):
-    seen = look(quiet[0], name, quiet[1])
+    seen = look(quiet[0], quiet[1], name)
     assert seen.hidden == ""
     assert not seen.imitated
 
