@@ -60,7 +60,7 @@ def test_at_one_amplitude_nothing_is_fitted_or_named_that_only_a_shape_would_sho
     assert law.result.law.values["k30"] == 0.0
     for name in ("gas_spring", "hardening", "end_stop"):
         assert look(law, observations, name).hidden == ONE_AMPLITUDE
-    assert not look(law, "damping_temperature", observations).hidden
+    assert not look(law, observations, "damping_temperature").hidden
 
 
 def test_scatter_alone_is_complete():
