@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -129,7 +130,7 @@ def test_moduli_need_the_parts_stiffness_for_one_of_them(tmp_path, names):
     file = written(tmp_path / "m.txt", ["Freq", "Amplitude", *names], ["[Hz]", "[µm]", "[MPa]", "[MPa]"], columns)
     with pytest.raises(UserError, match=r"its moduli are the material's") as told:
         pc.import_files(file, tmp_path / "c")
-    option = str(told.value).partition("--columns '")[2].rpartition("'")[0].replace("'\"'\"'", "'")
+    _, option = shlex.split(str(told.value).rpartition("\n")[2])
     assert option == f"storage_stiffness={names[0]} [MPa] [12.5 N/mm],loss_stiffness={names[1]} [MPa] [12.5 N/mm]"
     pc.import_files(file, tmp_path / "c", columns=option.replace("12.5", "50"))
     runs = read_tests(tmp_path / "c").campaign.runs
