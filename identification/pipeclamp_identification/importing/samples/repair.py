@@ -73,7 +73,8 @@ def without_spikes(record: Record) -> Repaired:
 def _peaks_of_turns(motion: Array, off: Array) -> npt.NDArray[np.bool_]:
     """Give the samples at which a peak comes with a turn of the motion.
 
-    These lie beside a turn whose half cycles, before and after, hold few samples, or beside any whose way the peak points.
+    These lie beside a turn whose half cycles, before and after, hold few samples, or beside any whose way the peak
+    points.
 
     Args:
         motion: displacement, shape (n,).
