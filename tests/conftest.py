@@ -22,8 +22,9 @@ from pipeclamp_models.law.law import Structure
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """What commands keep from call to call goes where pytest keeps things, not into the user's folder."""
+    """What commands keep from call to call goes where pytest keeps things, and each process of tests has one core."""
     os.environ["PIPECLAMP_CACHE"] = str(config.cache.mkdir("pipeclamp"))
+    os.environ["LOKY_MAX_CPU_COUNT"] = "1"
 
 
 @pytest.fixture(scope="session", autouse=True)

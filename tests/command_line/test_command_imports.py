@@ -77,6 +77,11 @@ def test_a_command_loads_only_what_it_may(command: str, tmp_path: Path):
     assert found <= MAY_LOAD[command]
 
 
+def test_what_diagnoses_does_without_statistics_that_take_half_a_second_to_load(tmp_path: Path):
+    rooms = ", ".join(f"pipeclamp_identification.{room}" for room in ("diagnosis.diagnosed", "workflow.discover"))
+    assert "scipy.stats" not in loaded(["--help"], tmp_path, f"import {rooms}")
+
+
 def test_no_model_is_built_before_it_is_used():
     """A model's validator takes longer to build than the module around it to load, and a command uses few."""
     built = """
@@ -102,4 +107,5 @@ print(sum(model.__pydantic_complete__ for model in ours), len(ours))
 
 def test_what_no_command_may_load_would_be_seen(tmp_path: Path):
     too_much = {"control", "scipy.signal", "scipy.stats", "pipeclamp_identification.attribution"}
-    assert too_much <= loaded(["--help"], tmp_path, "import pipeclamp_identification.attribution.verdict, control")
+    before = "import pipeclamp_identification.attribution.verdict, control, scipy.stats"
+    assert too_much <= loaded(["--help"], tmp_path, before)

@@ -17,7 +17,8 @@ from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.workflow.next_command import next_command
 from pipeclamp_identification.workflow.tests import Diagnosed
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress, Workers, silent
+from pipeclamp_models.base.processes import Workers
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import NamedKind
@@ -127,7 +128,7 @@ def diagnose(
         tests: the tests, or their folder or bundled name.
         limits: what the rig can do, for the next test: "A=0.1..2,f=0.5..20,T=20..300" (mm, Hz, °C).
         declared: declarations of your own effects by path (F.toml): candidates too.
-        jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
+        jobs: processes that share the work where that saves time; -1 for as many as there are cores.
         progress: is told what is being done.
 
     Raises:

@@ -18,7 +18,8 @@ from pipeclamp_identification.workflow.next_command import after_discovery
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.progress import Progress, Workers, silent
+from pipeclamp_models.base.processes import Workers
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration_files import read_declaration
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def discover(
         law: the law, or its file or bundled name.
         tests: records of sines in six groups of A and f or more, or their folder or bundled name.
         declared: declarations of your own effects by path (F.toml): they count as the catalogue's.
-        jobs: processes; -1 for as many as there are cores.
+        jobs: processes that share the work where that saves time; -1 for as many as there are cores.
         progress: is told what is being done.
 
     Raises:

@@ -46,7 +46,7 @@ def discover(
     from pipeclamp_identification.workflow.next_command import after_discovery
     from pipeclamp_models.base.errors import UsageError
     from pipeclamp_models.base.files import write_whole
-    from pipeclamp_models.base.progress import Workers
+    from pipeclamp_models.base.processes import Workers
     from pipeclamp_models.law.declaration_files import SUFFIX, read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
 

@@ -12,7 +12,7 @@ from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.so_far import SoFar
 from pipeclamp_models.base.errors import InterruptError
 from pipeclamp_models.base.files import write_whole
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.law.file import LawFile, law_text
 

@@ -37,7 +37,8 @@ from pipeclamp.cli.terminal import (
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
-from pipeclamp_models.base.progress import Progress, Workers
+from pipeclamp_models.base.processes import Workers
+from pipeclamp_models.base.progress import Progress
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import LawChange

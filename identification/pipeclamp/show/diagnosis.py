@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
 from pipeclamp_identification.fitting.groups_answer import group_words
+from pipeclamp_identification.fitting.heldout import left_out_at_once
 from pipeclamp_identification.workflow.tests import Diagnosed
 
 LEAST_HELP = 0.005
@@ -25,7 +26,7 @@ NO_GAIN = "fitted to all tests it takes no more than its parameters cost"
 def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
     """Say what speaks against a candidate: its parameters, the fit to all, left-out conditions, a simpler effect."""
     law = diagnosis.law
-    errors = {"A, f": (law.heldout_nrmse, candidate.heldout_nrmse)}
+    errors = {left_out_at_once(diagnosis.loops): (law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= {name: (error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
     worse = (
         f"on left-out {name} the estimated error rises from {before:.2%} to {after:.2%}"
@@ -56,7 +57,7 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
     rows.append(("law as it is", 100 * law.heldout_nrmse, *further, 0.0, "–"))
     header = (
         "with",
-        "estimated error on left-out A, f / %",
+        f"estimated error on left-out {left_out_at_once(diagnosis.loops)} / %",
         *(f"on left-out {name} / %" for name in law.heldout_by),
         "of what is missing it takes / %",
         "speaks against it",

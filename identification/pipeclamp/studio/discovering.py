@@ -13,8 +13,8 @@ from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
-from pipeclamp_models.base.processes import spare_cores
-from pipeclamp_models.base.progress import Progress, Workers
+from pipeclamp_models.base.processes import Workers, spare_cores
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, law_text, read_law
 
 

@@ -10,8 +10,8 @@ from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
-from pipeclamp_models.base.processes import spare_cores
-from pipeclamp_models.base.progress import Progress, Workers
+from pipeclamp_models.base.processes import Workers, spare_cores
+from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, NamedKind, Provenance, law_text, read_law
 from pipeclamp_models.law.law import Structure
 

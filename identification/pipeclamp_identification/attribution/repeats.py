@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import ceil, sqrt
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from pipeclamp_identification.attribution.next_test import PipeTestProposal
 from pipeclamp_identification.attribution.verdict import RULED_OUT_SQUARES, Attribution
@@ -50,7 +50,7 @@ def repeats(found: Attribution) -> Repeats | None:
     best, *rivals = found.named
     off = [np.linalg.norm(best.refit.residual - rival.refit.residual) for rival in rivals]
     apart = float(min(off, default=0.0)) / sqrt(best.overdispersion)
-    quantile = float(norm.isf(MISSED_CHANCE))
+    quantile = -float(ndtri(MISSED_CHANCE))
     enough = quantile + sqrt(quantile**2 + RULED_OUT_SQUARES)
     if apart < enough / sqrt(MOST_TIMES):
         return None

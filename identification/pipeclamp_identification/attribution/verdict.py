@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.stats import chi2
 
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.pairs import promised_pairs, refitted_pairs
@@ -33,6 +32,7 @@ from pipeclamp_identification.attribution.suspects import suspects_of, with_moun
 from pipeclamp_identification.attribution.task import RefitTask, task_of
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison
+from pipeclamp_identification.signals.chances import squares_of_chance
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import NamedKind
 
@@ -359,4 +359,5 @@ def _needs_more(one: Refit, everything: Refit) -> bool:
     """Tell whether all suspects together leave so much less that one alone (or one pair) can't be all."""
     freedoms = len(everything.values) - len(one.values)
     gained = (one.squared - everything.squared) / max(1.0, everything.squared / everything.freedoms)
-    return gained > chi2.isf(NEEDLESS_CHANCE, freedoms) and everything.squared < MUCH_LESS_RMS_SHARE**2 * one.squared
+    by_chance = float(squares_of_chance(NEEDLESS_CHANCE, freedoms))
+    return gained > by_chance and everything.squared < MUCH_LESS_RMS_SHARE**2 * one.squared

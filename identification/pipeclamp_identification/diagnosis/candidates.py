@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
@@ -11,6 +12,7 @@ from pipeclamp_identification.diagnosis.problem import (
     Contender,
     Judged,
     Problem,
+    RoughFit,
     judge,
     judge_each,
     most_promising_first,
@@ -30,11 +32,10 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.joint.starts import kept
 from pipeclamp_identification.fitting.refinement import refined_starts
-from pipeclamp_models.base.progress import Progress, Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -76,44 +77,46 @@ def candidates(
         Contender((promise.name,), with_effect(structure, promise.name), [start.values for start in promise.starts])
         for promise in chosen
     ]
-    judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, workers.tell), problem, workers))
+    judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, workers), problem, workers))
     best = [each.result.law.structure.effect(each.effects[0]) for each in judged[:MOST_PAIRED]]
     special = {simple for effect in best for simple in effect.special_cases}  # may do as well once they are larger
-    grown = [
-        larger_as_asked(each, structure, problem, workers.tell)
-        if place < MOST_PAIRED or effect_id(each.effects[0]) in special
-        else each
-        for place, each in enumerate(judged)
+    growing = [
+        each for place, each in enumerate(judged) if place < MOST_PAIRED or effect_id(each.effects[0]) in special
     ]
-    return ranked(grown), left
+    others = [each for each in judged if not any(each is one for one in growing)]
+    return ranked([*each_larger_as_asked(growing, structure, problem, workers), *others]), left
 
 
-def _each_roughly(contenders: Sequence[Contender], problem: Problem, tell: Progress) -> list[Fit]:
+def _each_roughly(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[RoughFit]:
     rough = []
-    for each in contenders:
-        tell(f"fit {' and '.join(each.effects)} roughly")
-        rough.append(roughly(each.structure, each.starts, problem))
+    for each, fit in zip(contenders, workers.share(partial(_roughly, problem), contenders), strict=True):
+        workers.tell(f"fitted {' and '.join(each.effects)} roughly")
+        rough.append(fit)
     return rough
 
 
+def _roughly(problem: Problem, one: Contender) -> RoughFit:
+    return roughly(one.structure, one.starts, problem)
+
+
 def _closely_where_worth(
-    contenders: Sequence[Contender], problem: Problem, law: Judged, tell: Progress
+    contenders: Sequence[Contender], problem: Problem, law: Judged, workers: Workers
 ) -> list[Contender]:
     """Fit all roughly; give where to go on from, closely where a rough fit gains much of what the best one does."""
     as_it_is = law.result.cost
-    rough = _each_roughly(contenders, problem, tell)
+    rough = _each_roughly(contenders, problem, workers)
     most = max((as_it_is - result.cost for result in rough), default=0.0)
     return [
         replace(
             each,
-            starts=[result.law.values],
+            starts=[result.values],
             tolerance=CLOSELY if as_it_is - result.cost >= WORTH_CLOSELY_SHARE * most else ROUGHLY,
         )
         for each, result in zip(contenders, rough, strict=True)
     ]
 
 
-def law_from_another_valley(law: Judged, judged: Sequence[Judged], problem: Problem) -> Judged:
+def law_from_another_valley(law: Judged, judged: Sequence[Judged], problem: Problem, workers: Workers) -> Judged:
     """Give the law as it is, fitted from where candidates ended that do best: they may have left a poor valley.
 
     Of valleys the one that foretells left-out conditions best is chosen: where the error on all tests is much the same,
@@ -126,7 +129,7 @@ def law_from_another_valley(law: Judged, judged: Sequence[Judged], problem: Prob
         own = structure.own(each.result.law.values)
         if len(own) == len(names):
             starts[each.effects] = own
-    elsewhere = [judge((), structure, [start], problem) for start in starts.values()]
+    elsewhere = judge_each([Contender((), structure, [start]) for start in starts.values()], problem, workers)
     best = min(elsewhere, key=lambda each: each.squares, default=law)
     return best if best.squares < law.squares - RIVAL_LIKELIHOOD else law
 
@@ -135,22 +138,33 @@ def _best_by(judged: Sequence[Judged], what: Callable[[Judged], float]) -> list[
     return sorted(judged, key=what)[:MOST_PAIRED]
 
 
-def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Progress) -> Judged:
-    """Give a law with added effects' members as large as the data ask for: larger while each does clearly better.
+def each_larger_as_asked(
+    judged: Sequence[Judged], structure: Structure, problem: Problem, workers: Workers
+) -> list[Judged]:
+    """Give laws with added effects' members as large as the data ask for: larger while each does clearly better.
 
     Args:
-        judged: the law with the effects.
+        judged: the law with the effects, several times.
         structure: the law without them.
         problem: the data.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
     """
+    grown = []
+    for each in workers.share(partial(larger_as_asked, structure, problem), judged):
+        workers.tell(f"fitted {' and '.join(each.effects)}")
+        grown.append(each)
+    return grown
+
+
+def larger_as_asked(structure: Structure, problem: Problem, judged: Judged) -> Judged:
+    """Give a law with added effects' members as large as the data ask for, as `each_larger_as_asked` does."""
     for place in range(len(judged.effects)):
-        while (larger := _with_larger(judged, place, structure, problem, tell)) is not None:
+        while (larger := _with_larger(judged, place, structure, problem)) is not None:
             judged = larger
     return judged
 
 
-def _with_larger(judged: Judged, place: int, structure: Structure, problem: Problem, tell: Progress) -> Judged | None:
+def _with_larger(judged: Judged, place: int, structure: Structure, problem: Problem) -> Judged | None:
     """Give a law with the next larger member of one of its added effects; None where it doesn't do clearly better.
 
     Nor where the tests don't determine all of its parameters: an element that never slips only lets mean forces go.
@@ -159,7 +173,6 @@ def _with_larger(judged: Judged, place: int, structure: Structure, problem: Prob
     if smaller.refinement is None or not smaller.refinement.at_once:
         return None
     effects = (*judged.effects[:place], smaller.refinement.name, *judged.effects[place + 1 :])
-    tell(f"fit {' and '.join(effects)}")
     larger = structure
     for effect in effects:
         larger = with_effect(larger, effect)
@@ -213,9 +226,9 @@ def pairs(
     others = [one for one in best_of_each(usable) if not any(one is first for first in firsts)]
     further = [pair for first in others for pair in _with_modifiers(structure, first, problem)]
     contenders += [each for _, each in sorted(further, key=lambda pair: pair[0])[:MOST_PAIRED]]
-    best = judge_each(_best_roughly(contenders, problem, workers.tell), problem, workers)
+    best = judge_each(_best_roughly(contenders, problem, workers), problem, workers)
     found = ranked(pair for pair in best if pair.may_be_cause)
-    return [larger_as_asked(pair, structure, problem, workers.tell) for pair in found[:1]] + found[1:]
+    return each_larger_as_asked(found[:1], structure, problem, workers) + found[1:]
 
 
 def twins(
@@ -277,11 +290,11 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
     return contenders
 
 
-def _best_roughly(contenders: Sequence[Contender], problem: Problem, tell: Progress) -> list[Contender]:
+def _best_roughly(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[Contender]:
     """Give those that do best when all are fitted roughly, from where that ended."""
-    rough = _each_roughly(contenders, problem, tell)
+    rough = _each_roughly(contenders, problem, workers)
     order = sorted(range(len(rough)), key=lambda place: rough[place].cost)[:MOST_PAIRED]
-    return [replace(contenders[place], starts=[rough[place].law.values]) for place in order]
+    return [replace(contenders[place], starts=[rough[place].values]) for place in order]
 
 
 def best_of_each(judged: Sequence[Judged]) -> list[Judged]:

@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE, NoiseModel
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.chances import of_larger_ratio, of_larger_squares
 from pipeclamp_models.base.arrays import Array
 
 INDEPENDENT = 0.05
@@ -99,7 +99,9 @@ def lack_of_fit(
     taken = np.sum(np.einsum("rq,rmp->qmp", smooth, flat.reshape(runs, channels, -1)) ** 2, axis=(0, 2))
     freedoms = smooth.shape[1] - taken
     low = 2 * LOW_HARMONICS + 1
-    p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    p_values = [
+        float(of_larger_squares(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)
+    ]
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN_VARIANCE
     variance = np.where(seen, noise.total_variance(), 0.0)
@@ -110,7 +112,7 @@ def lack_of_fit(
     scattered = 1 - np.divide(of_noise, leverage @ variance, out=np.ones(channels), where=of_noise > 0)
     told_by = free / np.maximum(scattered, SCATTERED) ** 2
     wanted = np.maximum(freedoms, 1.0)
-    alone = stats.f.sf(explained / wanted, wanted, told_by)
+    alone = of_larger_ratio(explained / wanted, wanted, told_by)
     p_values.append(min(1.0, channels * float(alone.min())))
     p_values.append(_least_likely(directed, fitted.residual, flat, free))
     by_channel, chance = _above_scatter(np.where(seen, plain, 0.0), expected, smooth, wanted)
@@ -176,7 +178,7 @@ def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> 
             continue
         span = np.linalg.qr(own[known].T)[0]
         explained = float(np.sum((span.T @ residual.ravel()) ** 2))
-        chances.append(float(stats.f.sf(explained / span.shape[1], span.shape[1], max(free, 1))))
+        chances.append(float(of_larger_ratio(explained / span.shape[1], span.shape[1], max(free, 1))))
     return min(1.0, len(chances) * min(chances)) if chances else 1.0
 
 

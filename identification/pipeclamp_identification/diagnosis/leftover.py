@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NOISE_RATIO, LINE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.loops.loops import Loops, on_grid
+from pipeclamp_identification.signals.chances import of_all, of_larger_ratio, of_rank_correlation, rank_correlation
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, BoolArray
 
@@ -178,9 +178,8 @@ def _condition_words(residual: Array, problem: Problem) -> list[str]:
     words = []
     for name, values in columns.items():
         if np.all(np.isfinite(values)) and np.ptp(values) > HELD_CONSTANT_SHARE * np.max(np.abs(values)):
-            ranks = stats.spearmanr(values, size)
-            slope = float(ranks.statistic)
-            if abs(slope) > WORTH_SAYING and ranks.pvalue < TOLD_CHANCE:
+            slope = rank_correlation(values, size)
+            if abs(slope) > WORTH_SAYING and of_rank_correlation(slope, len(values)) < TOLD_CHANCE:
                 words.append(f"it {'grows' if slope > 0 else 'falls'} with {name} (rank correlation {slope:.2f})")
     return words
 
@@ -281,8 +280,8 @@ def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tupl
 
         between = np.arange(1, count // 2) / count
         beside = np.array([power(np.concatenate([half - between, half + between])).mean() for half in HALVES])
-        chances = np.vstack([chances, stats.f.sf(power(HALVES) / beside, 2, 4 * len(between))])
+        chances = np.vstack([chances, of_larger_ratio(power(HALVES) / beside, 2, 4 * len(between))])
     if len(chances) < FEWEST_RUNS_WITH_LINES:
         return ()
-    together = stats.combine_pvalues(chances, method="fisher", axis=0).pvalue
+    together = of_all(chances)
     return tuple(float(half) for half, one in zip(HALVES, together, strict=True) if one < HALVES_CHANCE)

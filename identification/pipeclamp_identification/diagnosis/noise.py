@@ -241,6 +241,11 @@ class WhitenedObservations:
         """Whether forces at rest before the tests do."""
         return self.loops.deny_constant_force
 
+    @property
+    def show_shape(self) -> bool:
+        """As harmonics do."""
+        return True
+
     def rows(self, chosen: IntArray) -> WhitenedObservations:
         """Give the observations of some of the loops, by their places, shape (n,)."""
         factors = None if self.factors is None else self.factors.rows(chosen)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
@@ -15,6 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     REAL_LACK_CHANCE,
 )
 from pipeclamp_identification.fitting.observations import mean_squares_of
+from pipeclamp_identification.signals.chances import of_larger_ratio
 from pipeclamp_identification.signals.digits import newtons
 
 
@@ -58,7 +58,7 @@ def means_left_open(law: Judged, problem: Problem) -> OpenMeans:
     beyond = float(np.sum(squares - scatter)) / of_runs
     told_by = max(of_runs - problem.smooth.shape[1], 1)
     known = runs < MOSTLY_STUCK_SHARE * of_runs
-    by_chance = runs == 0 or stats.f.sf(np.mean(squares / scatter), runs, told_by) > REAL_LACK_CHANCE
+    by_chance = runs == 0 or of_larger_ratio(np.mean(squares / scatter), runs, told_by) > REAL_LACK_CHANCE
     rms = 0.0 if known or by_chance else float(np.sqrt(max(beyond, 0.0)))
     noise = float(np.sqrt(np.mean(problem.loops.scatter_rms_N**2)))
     return OpenMeans(runs, of_runs, rms, rms / noise)

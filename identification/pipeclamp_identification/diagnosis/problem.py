@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
@@ -33,7 +32,7 @@ from pipeclamp_identification.fitting.observations import (
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, by_stretch
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
@@ -49,8 +48,6 @@ VALLEYS = 2
 """Starts from which an effect is fitted, those that promise most: the error has valleys between them."""
 KNOWN_DEVIATIONS = 2.0
 """Standard deviations of a prior within which any value is likely."""
-WORTH_PROCESSES = 100
-"""Rows from which on fits are shared out to processes, which take some seconds to start."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +77,6 @@ class Problem:
     further_groups: Mapping[str, IntArray]
     discrepancy: float = 0.0
     factors: GroupFactors | None = None
-
-    @property
-    def is_large(self) -> bool:
-        """Whether fits take so long that starting processes for them pays."""
-        return len(self.loops.run) >= WORTH_PROCESSES
 
     @cached_property
     def observations(self) -> WhitenedObservations:
@@ -256,7 +248,7 @@ def judge(
         problem: the data.
         tolerance: of the fit.
     """
-    start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).law.values
+    start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).values
     if structure.equations.states:
         start = fit(structure, problem.coarse, start=start, tolerance=tolerance).law.values
         tolerance = max(tolerance, FROM_NEAR)
@@ -288,10 +280,18 @@ def judge(
     )  # fmt: skip
 
 
-def roughly(structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem) -> Fit:
+class RoughFit(NamedTuple):
+    """Where a rough fit ended: all of the law's parameters, and the cost."""
+
+    values: Mapping[str, float]
+    cost: float
+
+
+def roughly(structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem) -> RoughFit:
     """Fit a structure roughly from the most promising starts; give the best."""
     rough = [fit(structure, problem.coarse, start=start, tolerance=ROUGHLY) for start in starts[:VALLEYS]]
-    return min(rough, key=lambda result: result.cost)
+    best = min(rough, key=lambda result: result.cost)
+    return RoughFit(best.law.values, best.cost)
 
 
 def most_promising_first(
@@ -331,13 +331,15 @@ def judge_each(contenders: Sequence[Contender], problem: Problem, workers: Worke
     Returns:
         what came of each, in the same order.
     """
-    processes = min(effective_n_jobs(workers.processes), len(contenders)) if problem.is_large else 1
-    work = (delayed(judge)(each.effects, each.structure, each.starts, problem, each.tolerance) for each in contenders)
     judged = []
-    for result in Parallel(n_jobs=max(processes, 1), return_as="generator")(work):
+    for result in workers.share(partial(_judged, problem), contenders):
         workers.tell(f"fitted {' and '.join(result.effects)}")
         judged.append(result)
     return judged
+
+
+def _judged(problem: Problem, one: Contender) -> Judged:
+    return judge(one.effects, one.structure, one.starts, problem, one.tolerance)
 
 
 def _price_of_free_means(result: Fit, problem: Problem) -> Array:

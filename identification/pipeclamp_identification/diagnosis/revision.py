@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import larger_as_asked
 from pipeclamp_identification.diagnosis.foretold import gains, share_of_error, takes_part
 from pipeclamp_identification.diagnosis.open_means import with_means_counted
-from pipeclamp_identification.diagnosis.problem import Judged, Prepared, Problem, judge, prepare, roughly, weighed_again
+from pipeclamp_identification.diagnosis.problem import (
+    Judged,
+    Prepared,
+    Problem,
+    RoughFit,
+    judge,
+    prepare,
+    roughly,
+    weighed_again,
+)
 from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import act_alike, effect_id
 from pipeclamp_models.law.law import BASES, Law, Structure, find_base
@@ -86,7 +96,7 @@ def _does_as_well(other: Judged, asked: RevisedLaw) -> bool:
     return bool(gain.sum() < doubt and share_of_error(asked.law, other) < MATERIAL_PART_SHARE)
 
 
-def simpler_structure(asked: RevisedLaw, names: Collection[str], progress: Progress) -> Structure | None:
+def simpler_structure(asked: RevisedLaw, names: Collection[str], workers: Workers) -> Structure | None:
     """Give the law with an effect in one's place that acts alike, and fewer parameters; None where none does as well.
 
     An element of `memory` that the law has becomes one of several where that takes the place. It does as well on
@@ -95,11 +105,11 @@ def simpler_structure(asked: RevisedLaw, names: Collection[str], progress: Progr
     Args:
         asked: the law.
         names: the effects that are asked.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
     """
     parameters = _parameters(asked.structure)
     swaps = [swap for swap in _alike(asked) if swap.gone in names and _parameters(swap.structure) < parameters]
-    found = [each for each in _swapped(asked, swaps, progress) if not each.objections]
+    found = [each for each in _swapped(asked, swaps, workers) if not each.objections]
     simpler = [
         each
         for each in found
@@ -110,7 +120,7 @@ def simpler_structure(asked: RevisedLaw, names: Collection[str], progress: Progr
     return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 
 
-def better_structures(asked: RevisedLaw, names: Collection[str] | None, progress: Progress) -> list[Structure]:
+def better_structures(asked: RevisedLaw, names: Collection[str] | None, workers: Workers) -> list[Structure]:
     """Give the law with another of its effects' family in one's place, or on another base, where it does better.
 
     To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt, and not
@@ -121,13 +131,13 @@ def better_structures(asked: RevisedLaw, names: Collection[str] | None, progress
     Args:
         asked: the law.
         names: its effects that are asked; None for all, and its base.
-        progress: is told what is being done.
+        workers: who does it, and who is told.
 
     Returns:
         what does better, best first; empty where nothing does.
     """
     swaps = [swap for swap in _alike(asked) if names is None or swap.gone in names]
-    found = [*_swapped(asked, swaps, progress), *(_on_another_base(asked, progress) if names is None else ())]
+    found = [*_swapped(asked, swaps, workers), *(_on_another_base(asked, workers) if names is None else ())]
     sound = (each for each in found if not with_means_counted(each, asked.law, asked.problem).objections)
     better = [each for each in sound if takes_part(each, asked.law, asked.problem)]
     structures: list[Structure] = []
@@ -167,42 +177,62 @@ def _parameters(structure: Structure) -> int:
     return sum(len(effect.parameters) for effect in structure.all_effects())
 
 
-def _swapped(asked: RevisedLaw, swaps: Iterable[_Swap], progress: Progress) -> list[Judged]:
+def _swapped(asked: RevisedLaw, swaps: Sequence[_Swap], workers: Workers) -> list[Judged]:
     """Put another effect in the place of one, for each of these swaps: all roughly, the best closely.
 
     Members of a family are as large as the tests ask for.
     """
-    rough: list[tuple[Fit, str]] = []
-    for swap in swaps:
-        progress(f"{swap.come} in place of {swap.gone}")
-        try:
-            own = swap.structure.own(asked.values)
-            points = ((point, own) for point in starting_points(swap.structure, asked.problem.coarse, own))
-            starts = [start.values for start in promising_starts(swap.structure, asked.problem, points)]
-            rough.append((roughly(swap.structure, starts, asked.problem), swap.come))
-        except UserError:  # another effect modifies what only the one before has
-            continue
-    rough.sort(key=lambda entry: entry[0].cost)
+    rough: list[tuple[_Swap, RoughFit]] = []
+    for swap, fit in zip(swaps, workers.share(partial(_swapped_roughly, asked), swaps), strict=True):
+        workers.tell(f"fitted {swap.come} in place of {swap.gone} roughly")
+        if fit:
+            rough.append((swap, fit))
+    rough.sort(key=lambda entry: entry[1].cost)
     found: list[Judged] = []
-    for fit, come in rough[:MOST_SWAPPED]:
-        structure = fit.law.structure
-        judged = replace(judge((), structure, [fit.law.values], asked.problem), effects=(come,))
-        others = replace(structure, effects=tuple(name for name in structure.effects if name != come))
-        found.append(larger_as_asked(judged, others, asked.problem, progress))
+    for judged in workers.share(partial(_swapped_closely, asked), rough[:MOST_SWAPPED]):
+        workers.tell(f"fitted {' and '.join(judged.effects)} in its place")
+        found.append(judged)
     return found
 
 
-def _on_another_base(asked: RevisedLaw, progress: Progress) -> list[Judged]:
-    found: list[Judged] = []
+def _swapped_roughly(asked: RevisedLaw, swap: _Swap) -> RoughFit | None:
+    """Fit a law with another effect in one's place roughly; None where one that stays modifies what is gone."""
+    try:
+        own = swap.structure.own(asked.values)
+        points = ((point, own) for point in starting_points(swap.structure, asked.problem.coarse, own))
+        starts = [start.values for start in promising_starts(swap.structure, asked.problem, points)]
+        return roughly(swap.structure, starts, asked.problem)
+    except UserError:
+        return None
+
+
+def _swapped_closely(asked: RevisedLaw, rough: tuple[_Swap, RoughFit]) -> Judged:
+    """Fit such a law closely, from where its rough fit ended, with members of a family as large as is asked for."""
+    swap, fit = rough
+    structure, come = swap.structure, swap.come
+    judged = replace(judge((), structure, [fit.values], asked.problem), effects=(come,))
+    others = replace(structure, effects=tuple(name for name in structure.effects if name != come))
+    return larger_as_asked(others, asked.problem, judged)
+
+
+def _on_another_base(asked: RevisedLaw, workers: Workers) -> list[Judged]:
     own = asked.structure.base.partition(":")[0]
-    for base in (name for name, entry in BASES.items() if entry.general and name != own):
-        progress(f"the law on base {base}")
-        try:
-            other = _on(base, asked.structure.effects, asked)
-            found.append(judge((), other, _starts(other, asked), asked.problem))
-        except UserError:  # an effect scales what this base hasn't got
-            continue
+    bases = [name for name, entry in BASES.items() if entry.general and name != own]
+    found: list[Judged] = []
+    for base, judged in zip(bases, workers.share(partial(_judged_on, asked), bases), strict=True):
+        workers.tell(f"fitted the law on base {base}")
+        if judged:
+            found.append(judged)
     return found
+
+
+def _judged_on(asked: RevisedLaw, base: str) -> Judged | None:
+    """Fit the law on another base; None where an effect scales what that base hasn't got."""
+    try:
+        other = _on(base, asked.structure.effects, asked)
+        return judge((), other, _starts(other, asked), asked.problem)
+    except UserError:
+        return None
 
 
 def _on(base: str, effects: tuple[str, ...], asked: RevisedLaw) -> Structure:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from pipeclamp_identification.fitting.joint.points import sized_and_linearised, 
 from pipeclamp_identification.fitting.joint.starts import Linearised, kept
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.equations.effect import Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import Structure, with_effect
@@ -84,14 +85,14 @@ def promising_starts(
     return sorted(starts, key=lambda start: start.cost)
 
 
-def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> Promise | None:
+def _promise(structure: Structure, problem: Problem, law: Judged, name: str) -> Promise | None:
     """Give what an effect promises; None if it can't be fitted.
 
     Args:
         structure: the law's structure.
-        name: the effect.
         problem: the data.
         law: the law as it is.
+        name: the effect.
     """
     try:
         larger = with_effect(structure, name)
@@ -149,7 +150,7 @@ def screened(
     structure: Structure,
     problem: Problem,
     law: Judged,
-    tell: Progress,
+    workers: Workers,
     ids: Collection[str] | None = None,
 ) -> list[Promise]:
     """Screen every effect by one step; most promising first.
@@ -158,7 +159,7 @@ def screened(
         structure: the law's structure.
         problem: the data.
         law: the law as it is.
-        tell: is told what is being done.
+        workers: who does it, and who is told.
         ids: effects that are screened; all where None.
 
     Raises:
@@ -167,9 +168,9 @@ def screened(
     promises = []
     loops = problem.loops
     names = candidate_names(structure, loops.conditions, time_measured=loops.time_measured)
-    for name in names if ids is None else [name for name in names if effect_id(name) in ids]:
-        tell(f"screen {name}")
-        promise = _promise(structure, name, problem, law)
+    asked = names if ids is None else [name for name in names if effect_id(name) in ids]
+    for name, promise in zip(asked, workers.share(partial(_promise, structure, problem, law), asked), strict=True):
+        workers.tell(f"screened {name}")
         if promise is not None:
             promises.append(promise)
     return sorted(promises, key=lambda promise: -promise.gain)

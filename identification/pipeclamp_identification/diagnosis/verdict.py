@@ -47,7 +47,7 @@ from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import ALONE, Workers
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
@@ -176,7 +176,7 @@ def diagnose(
     screened_out: dict[str, float] = {}
     if not is_complete(law, problem, tolerance):
         problem, law = weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
-        promises = screened(structure, problem, law, workers.tell)
+        promises = screened(structure, problem, law, workers)
         judged, screened_out = candidates(structure, problem, law, promises, workers)
         problem, law, judged = _by_the_best_ones_residuals(problem, law, judged, workers)
     differing = _unstated_beside(law, judged, problem)
@@ -203,7 +203,7 @@ def _by_the_best_ones_residuals(
         workers.tell("evidence weighed by the best law's own residuals")
         problem, law = weighed_again(problem, law.result.law.structure, likeliest(judged).result, [law.result])
         judged = ranked(judge_each([as_it_is(each) for each in judged], problem, workers))
-    law = law_from_another_valley(law, judged, problem)
+    law = law_from_another_valley(law, judged, problem, workers)
     return problem, law, [with_means_counted(each, law, problem) for each in judged]
 
 

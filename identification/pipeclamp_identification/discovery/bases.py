@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.problem import Contender, Judged, Proble
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.discovery.guards import surely_better
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure
 
 MOST_GONE = 4

@@ -43,7 +43,7 @@ from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.arrays import BoolArray
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect

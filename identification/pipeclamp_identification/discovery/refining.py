@@ -24,7 +24,7 @@ from pipeclamp_identification.discovery.hearing import (
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure, with_effect
 
 MOST_REFINED = 3

@@ -224,6 +224,11 @@ class PooledObservations:
         """Whether forces at rest before the tests do."""
         return self.loops.deny_constant_force
 
+    @property
+    def show_shape(self) -> bool:
+        """As harmonics do."""
+        return True
+
     def residual(self, law_force: LawForce) -> Array:
         """Give measured less law, in units in which noise and factors together are independent."""
         return self._poolings.beside(law_force).without(self.loops.residual(law_force))

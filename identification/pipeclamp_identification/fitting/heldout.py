@@ -35,6 +35,11 @@ def condition_groups(loops: Loops) -> IntArray:
     return groups if groups.max() else np.unique(loops.run, return_inverse=True)[1].astype(np.intp)
 
 
+def left_out_at_once(loops: Loops) -> str:
+    """Name what is the same within each of `condition_groups`."""
+    return {0: "runs", 1: "settings"}.get(int(amplitude_and_frequency_groups(loops).max()), "A, f")
+
+
 def amplitude_and_frequency_groups(loops: Loops) -> IntArray:
     """Give each loop the number of its (amplitude, frequency) group, shape (R,).
 

@@ -52,6 +52,10 @@ class Observations(Protocol):
     def deny_constant_force(self) -> bool:
         """Whether forces at rest before the tests deny one: a law that has one then is another law."""
 
+    @property
+    def show_shape(self) -> bool:
+        """Whether they show the shape of loops."""
+
     def residual(self, law_force: LawForce) -> Array:
         """Give the weighted residuals, measured less law, shape (R, m), for the law's force on the motion."""
 
@@ -131,6 +135,11 @@ class LoopObservations:
     force_amplitude: Array
     transforms: Array | None = None
     deny_constant_force: bool = False
+
+    @property
+    def show_shape(self) -> bool:
+        """As harmonics do."""
+        return True
 
     @property
     def are_linear(self) -> bool:

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
@@ -20,6 +19,7 @@ from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations, as_seen_at_few
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
+from pipeclamp_identification.signals.chances import of_larger_ratio
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.progress import Progress
@@ -235,7 +235,7 @@ def distinct_conditions(observations: MetricObservations) -> IntArray:
 def chance(law: MetricJudged, larger: MetricJudged, scatter: Scatter) -> float:
     """Give the chance that scatter alone makes a larger law do so much better (F test)."""
     more = max(larger.parameters - law.parameters, 1)
-    return float(stats.f.sf((law.squares - larger.squares) / more, more, float(scatter.freedoms.min())))
+    return float(of_larger_ratio((law.squares - larger.squares) / more, more, float(scatter.freedoms.min())))
 
 
 def chance_of_lack(judged: MetricJudged, observations: MetricObservations, smooth: Array, expected: float) -> float:
@@ -252,7 +252,7 @@ def chance_of_lack(judged: MetricJudged, observations: MetricObservations, smoot
     logs = judged.residual * observations.relative_error
     allowed = np.hypot(expected, observations.rounding)
     plain = float(np.sum((logs / allowed) ** 2))
-    too_large = stats.f.sf(plain / judged.freedoms, judged.freedoms, EXPECTED_FREEDOMS)
+    too_large = of_larger_ratio(plain / judged.freedoms, judged.freedoms, EXPECTED_FREEDOMS)
     leverage = _basis(judged, observations).reshape(len(logs), len(METRICS), -1)
     following = np.sum((smooth.T @ judged.residual) ** 2)
     taken = np.sum(np.einsum("rq,rmp->qmp", smooth, leverage) ** 2)
@@ -263,10 +263,10 @@ def chance_of_lack(judged: MetricJudged, observations: MetricObservations, smoot
         - following
         + EXPECTED_FREEDOMS * np.mean((allowed / observations.relative_error) ** 2)
     )
-    follows = stats.f.sf(
+    follows = of_larger_ratio(
         following / freedoms * (others + EXPECTED_FREEDOMS) / rest, freedoms, others + EXPECTED_FREEDOMS
     )
-    return float(min(1.0, 2 * min(too_large, follows)))
+    return min(1.0, 2 * min(float(too_large), float(follows)))
 
 
 def single_rows(larger: Fit, without: Structure, observations: MetricObservations) -> tuple[int, ...]:

@@ -43,6 +43,11 @@ class MetricObservations:
         """Nothing is known of forces at rest."""
         return False
 
+    @property
+    def show_shape(self) -> bool:
+        """Two energies of a loop don't."""
+        return False
+
     def rows(self, chosen: IntArray) -> Self:
         """Give the observations of some of the loops."""
         return replace(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.fitting.joint.not_fitted import undetermined
+from pipeclamp_identification.fitting.joint.not_fitted import ONE_AMPLITUDE, undetermined, varies_in_amplitude
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions, fewest_numbers
 from pipeclamp_identification.metrics_only.observations import MetricObservations, metric_slopes
@@ -47,6 +47,8 @@ def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look
         starts = starting_points(larger, observations, law.result.law.values)
     except UserError as error:
         return Look(name, str(error).removeprefix(f"effect {name!r} "), False, 0.0)
+    if larger.effect(name).is_elastic and not varies_in_amplitude(observations):
+        return Look(name, ONE_AMPLITUDE, False, 0.0)
     equations = larger.equations
     reasons = undetermined(equations, observations)
     own = set(law.result.equations.names)

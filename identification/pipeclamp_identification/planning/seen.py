@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 from scipy.special import ndtr
 
 from pipeclamp_identification.diagnosis.evidence import LOW_HARMONICS
 from pipeclamp_identification.diagnosis.thresholds import REAL_LACK_CHANCE
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
+from pipeclamp_identification.signals.chances import squares_of_chance
 from pipeclamp_models.base.arrays import Array, IntArray
 
 P_VALUES = 4
@@ -95,7 +95,7 @@ def lack_of(grid: Mapping[str, Array], runs: Array, covariance: Array, slopes: A
     noise = (np.sum(counted * smooth, axis=1) @ variance) / smooth.shape[1]
     total = float(count.sum())
     return Lack(
-        together, by_channel @ chosen.T, stats.chi2.isf(chances, together), squares @ parts / total,
+        together, by_channel @ chosen.T, squares_of_chance(chances, together), squares @ parts / total,
         float(np.sum((parts * noise) ** 2 * 2 * freedoms)) / total**2,
         squares @ (4 * parts**2 * noise) / total**2,
     )  # fmt: skip

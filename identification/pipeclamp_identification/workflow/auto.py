@@ -8,7 +8,7 @@ from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
 from pipeclamp_identification.workflow.climb import Climber, Fork, Place, Rung, Settled
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
-from pipeclamp_models.base.progress import ALONE, Workers
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 

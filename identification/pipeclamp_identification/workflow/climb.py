@@ -22,7 +22,7 @@ from pipeclamp_identification.workflow.change import (
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind, Provenance
 from pipeclamp_models.law.law import Structure, find_base
@@ -283,7 +283,7 @@ class Climber:
             file: the law.
             names: its effects that are asked; None for all, and its base.
         """
-        for structure in self.tests.better_structures(file, names, self.workers.tell)[:MOST_EXCHANGED]:
+        for structure in self.tests.better_structures(file, names, self.workers)[:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
             if helps([change]) and fits_samples(change):
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"
@@ -296,7 +296,7 @@ class Climber:
         A part was taken while more was missing, which may have bent what it was chosen by.
         """
         parts = parts_of(file)
-        structure = self.tests.simpler_structure(file, parts, self.workers.tell) if parts else None
+        structure = self.tests.simpler_structure(file, parts, self.workers) if parts else None
         if structure is None:
             return None
         change = self._exchanged(file, structure)

@@ -12,7 +12,7 @@ from pipeclamp_identification.workflow.change import add_effect, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import ALONE, Workers
+from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of

@@ -27,7 +27,8 @@ from pipeclamp_identification.metrics_only.law import (
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.progress import ALONE, Progress, Workers, silent
+from pipeclamp_models.base.processes import ALONE, Workers
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of
 from pipeclamp_models.law.law import BASE_LAW, Structure
@@ -150,10 +151,10 @@ class MetricTests:
         """Two numbers a run are too few to take effects out again by."""
         return None
 
-    def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
+    def simpler_structure(self, file: LawFile, names: Collection[str], workers: Workers) -> Structure | None:
         """Two numbers a run are too few to exchange an effect by."""
         return None
 
-    def better_structures(self, file: LawFile, names: Collection[str] | None, progress: Progress) -> list[Structure]:
+    def better_structures(self, file: LawFile, names: Collection[str] | None, workers: Workers) -> list[Structure]:
         """Two numbers a run are too few to exchange a base or an effect by."""
         return []

@@ -19,7 +19,8 @@ from pipeclamp_identification.fitting.observations import LoopObservations, loop
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.workflow.tests import RefittedLaw
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.progress import ALONE, Progress, Workers, silent
+from pipeclamp_models.base.processes import ALONE, Workers
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 from pipeclamp_models.law.law import BASE_LAW, Law, Structure
@@ -231,17 +232,17 @@ class RecordTests:
             return None
         return superfluous(self._asked(file), keep, progress)
 
-    def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
+    def simpler_structure(self, file: LawFile, names: Collection[str], workers: Workers) -> Structure | None:
         """Give a law with a simpler effect in the place of one, see `Tests.simpler_structure`."""
         from pipeclamp_identification.diagnosis.revision import simpler_structure
 
-        return simpler_structure(self._asked(file), names, progress)
+        return simpler_structure(self._asked(file), names, workers)
 
-    def better_structures(self, file: LawFile, names: Collection[str] | None, progress: Progress) -> list[Structure]:
+    def better_structures(self, file: LawFile, names: Collection[str] | None, workers: Workers) -> list[Structure]:
         """Give a law with one thing exchanged where it does better, see `Tests.better_structures`."""
         from pipeclamp_identification.diagnosis.revision import better_structures
 
-        return better_structures(self._asked(file), names, progress)
+        return better_structures(self._asked(file), names, workers)
 
     def _asked(self, file: LawFile) -> RevisedLaw:
         from pipeclamp_identification.diagnosis.revision import ask_again

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pipeclamp_identification.diagnosis.named import Naming
-from pipeclamp_models.base.progress import ALONE, Progress, Workers, silent
+from pipeclamp_models.base.processes import ALONE, Workers
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import BASE_LAW, Structure
 from pipeclamp_models.law.step import BeforeAfter
 
@@ -221,7 +222,7 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
-    def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
+    def simpler_structure(self, file: LawFile, names: Collection[str], workers: Workers) -> Structure | None:
         """Give a law with an effect of fewer parameters, which acts alike and does as well, in the place of one.
 
         None where none does or can be told.
@@ -229,13 +230,13 @@ class Tests(Protocol):
         Args:
             file: the law.
             names: the effects that are asked.
-            progress: is told what is being done.
+            workers: who does it, and who is told.
 
         Raises:
             UserError: the tests can't serve the law.
         """
 
-    def better_structures(self, file: LawFile, names: Collection[str] | None, progress: Progress) -> list[Structure]:
+    def better_structures(self, file: LawFile, names: Collection[str] | None, workers: Workers) -> list[Structure]:
         """Give a law with another effect of a family, or on other bases, where it does better on left-out conditions.
 
         Best first; empty where none does or can be told.
@@ -243,7 +244,7 @@ class Tests(Protocol):
         Args:
             file: the law.
             names: its effects that are asked; None for all, and its base.
-            progress: is told what is being done.
+            workers: who does it, and who is told.
 
         Raises:
             UserError: the tests can't serve the law.

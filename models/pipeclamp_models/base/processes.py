@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import pickle
 import signal
-from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from typing import TypeVar, cast
+
+from pipeclamp_models.base.progress import Progress, silent
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -12,6 +18,8 @@ Result = TypeVar("Result")
 
 MOST_PROCESSES = 8
 """Processes that are begun at once: each holds libraries of its own, some 0.2 GB."""
+BEGINNING_S = 5.0
+"""Seconds that others must save to be begun: each loads its libraries first, and writes its own machine code."""
 
 
 def cores() -> int:
@@ -54,3 +62,58 @@ def spread(work: Callable[[Job], Result], jobs: Iterable[Job], processes: int) -
         yield from results
     finally:
         results.close()
+
+
+def _sent(work: Callable[[Job], Result]) -> Callable[[Job], Result]:
+    """Give work that is packed once, and unpacked once by each process, however much data it holds."""
+    return cast("Callable[[Job], Result]", partial(_unpacked_call, pickle.dumps(work)))
+
+
+def _unpacked_call(packed: bytes, job: Job) -> object:
+    return _unpacked(packed)(job)
+
+
+@lru_cache(maxsize=1)
+def _unpacked(packed: bytes) -> Callable[[object], object]:
+    work: Callable[[object], object] = pickle.loads(packed)
+    return work
+
+
+@dataclass(eq=False)
+class Workers:
+    """Who does a long computation.
+
+    Attributes:
+        processes: that share it; -1 for as many as there are cores.
+        tell: is told what is being done.
+    """
+
+    processes: int = 1
+    tell: Progress = silent
+    _begun: bool = field(default=False, init=False, repr=False)
+    """Whether others were begun: they stay for what comes next."""
+
+    def share(self, work: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
+        """Give the result of each job, in order: by this process until what is left is worth others, then by those.
+
+        Args:
+            work: a function of a module, which a new process can import, or a part of one.
+            jobs: what each is given.
+        """
+        processes = cores() if self.processes < 0 else self.processes
+        spent = 0.0
+        for done, job in enumerate(jobs):
+            left = len(jobs) - done
+            saved = spent / max(done, 1) * left * (1 - 1 / processes)
+            if processes > 1 and left > 1 and (self._begun or saved > BEGINNING_S):
+                self._begun = True
+                yield from spread(_sent(work), jobs[done:], min(processes, left))
+                return
+            begin = time.perf_counter()
+            result = work(job)
+            spent += time.perf_counter() - begin
+            yield result
+
+
+ALONE = Workers()
+"""This process, which tells nobody."""

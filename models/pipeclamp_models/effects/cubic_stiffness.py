@@ -17,9 +17,11 @@ EFFECT = Effect(
     imitated_by=("hardening", "end_stop"),
     told_apart_by="a sweep of amplitude: the third harmonic grows as A^3",
     parameters=(
-        Parameter(k30, "N/mm3", "cubic stiffness at A0, T0", 0.2 * F_typical / A_typical**3),
-        exponent(k3_A, "k3", A, 4.0),
-        exponent(k3_T, "k3", T, 8.0),
+        Parameter(
+            k30, "N/mm3", "cubic stiffness at A0, T0", 0.2 * F_typical / A_typical**3, neutral=0.0, by_shape=True
+        ),
+        exponent(k3_A, "k3", A, 4.0, by_shape=True),
+        exponent(k3_T, "k3", T, 8.0, by_shape=True),
     ),
     coefficients=(Coefficient(k3, "N/mm3", "stiffness", power_surface(k30, {A: k3_A, T: k3_T})),),
     force=k3 * x**3,

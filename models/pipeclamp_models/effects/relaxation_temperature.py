@@ -11,6 +11,10 @@ from pipeclamp_models.equations.relaxation_times import ABOVE_STILL, COLDEST, HO
 from pipeclamp_models.equations.symbols import T_0, T, T_lowest
 
 r_T1, w_T = sp.symbols("r_T1 w_T", real=True)
+STEEPEST = 80.0
+"""A polymer's log change per 100 K at its glass transition: ln 10 x 17.44/51.6 per K, their universal constants."""
+ELASTOMERS = 25.0 / 3
+"""Standard deviation of those of elastomers above theirs."""
 
 EFFECT = Effect(
     id="relaxation_temperature",
@@ -23,8 +27,8 @@ EFFECT = Effect(
     told_apart_by="a decade of frequency at several temperatures: curves over f lie on one when shifted along log f",
     parameters=(
         Parameter(
-            r_T1, "-", "log change of relaxation times per 100 K at T0", (-1.0, SLOPE, -12.0), -25.0, 25.0, neutral=0.0,
-            follows=(T,),
+            r_T1, "-", "log change of relaxation times per 100 K at T0", (-1.0, SLOPE, -12.0), -STEEPEST, STEEPEST,
+            neutral=0.0, follows=(T,), known_within=ELASTOMERS,
         ),
         Parameter(
             w_T, "K", "how far below T0 nothing relaxes any more", (ABOVE_STILL,) * 3,

@@ -36,6 +36,7 @@ class Parameter:
         typical: a size at which the effect shows in a loop, where `start` has none: to try it out on the virtual rig.
         known_within: standard deviation by which `neutral` is known beforehand, from physics: of a normal prior.
         if_scaled: whether it is there only in laws that have what a factor with it scales.
+        by_shape: whether nothing but a loop's shape tells it from others where the amplitude doesn't vary.
     """
 
     symbol: sp.Symbol
@@ -50,6 +51,7 @@ class Parameter:
     typical: sp.Expr | float | None = None
     known_within: float | None = None
     if_scaled: bool = False
+    by_shape: bool = False
 
     @property
     def name(self) -> str:
@@ -213,6 +215,12 @@ class Effect:
         return self.force != NOTHING and not self.states and self.force.free_symbols <= own
 
     @property
+    def is_elastic(self) -> bool:
+        """Whether its force follows the displacement alone, the same way to and fro."""
+        moving = {symbols.v, symbols.a, symbols.y_previous, symbols.h}
+        return self.force != NOTHING and not self.within_steps and not self.force.free_symbols & moving
+
+    @property
     def is_of_time(self) -> bool:
         """Whether it needs tests whose time was measured: seconds stand in what it can't be without, or a speed."""
         of_time = [bool(UNIT_OF_TIME.search(one.unit)) or symbols.f in one.follows for one in self.parameters]
@@ -263,7 +271,11 @@ def power_surface(reference: sp.Expr, exponents: Mapping[sp.Symbol, sp.Expr]) ->
     return sp.Mul(reference, *(ratio[signal] ** exponent for signal, exponent in exponents.items()))
 
 
-def exponent(symbol: sp.Symbol, of: str, over: sp.Symbol, limit: float, typical: float | None = None) -> Parameter:
+def exponent(
+    symbol: sp.Symbol, of: str, over: sp.Symbol, limit: float, typical: float | None = None, *, by_shape: bool = False
+) -> Parameter:
     """The exponent of a power surface: neutral at zero, free only where the signal varies."""
     meaning = f"exponent of {of} over {over}"
-    return Parameter(symbol, "-", meaning, 0.0, -limit, limit, neutral=0.0, follows=(over,), typical=typical)
+    return Parameter(
+        symbol, "-", meaning, 0.0, -limit, limit, neutral=0.0, follows=(over,), typical=typical, by_shape=by_shape
+    )

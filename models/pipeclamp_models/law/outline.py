@@ -42,7 +42,7 @@ class ParameterOutline:
     """A parameter of a law.
 
     Attributes:
-        name, unit, meaning, neutral, levels: as of the effect's `Parameter`.
+        name, unit, meaning, neutral, levels, by_shape: as of the effect's `Parameter`.
         effect: name of the effect that it belongs to.
         starts: where the fit starts, one value or several.
         lower, upper: bounds.
@@ -65,6 +65,7 @@ class ParameterOutline:
     levels: int
     used: bool
     at_rest: bool
+    by_shape: bool
 
 
 @dataclass(frozen=True)
@@ -162,6 +163,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], co
         levels=parameter.levels,
         used=parameter.symbol in composed.used_symbols,
         at_rest=parameter.symbol in composed.at_rest.free_symbols,
+        by_shape=parameter.by_shape,
     )
 
 

@@ -46,8 +46,8 @@ def answering(answers, monkeypatch):
     return SimpleNamespace(
         diagnose=lambda file, **options: answers[file.effects],
         superfluous=lambda file, keep, progress: None,
-        better_structures=lambda file, names, progress: [],
-        simpler_structure=lambda file, names, progress: None,
+        better_structures=lambda file, names, workers: [],
+        simpler_structure=lambda file, names, workers: None,
     )
 
 
@@ -96,7 +96,7 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     """As where nothing is named: the law may stand on the wrong base, or have an effect that stands for another."""
     answers = {(): found("missing", "part", "play"), ("memory:2",): found("complete")}
     tests = answering(answers, monkeypatch)
-    tests.better_structures = lambda file, names, progress: ["memory:2"]
+    tests.better_structures = lambda file, names, workers: ["memory:2"]
 
     def exchanged(file, structure, tests, **options):
         return SimpleNamespace(
@@ -136,7 +136,7 @@ def test_where_the_next_effect_takes_little_a_part_gives_way_to_its_like(kind, l
         ("play",): found("complete"),
     }
     tests = answering(answers, monkeypatch)
-    tests.better_structures = lambda file, names, progress: ["play"] if "oil_damper" in names else []
+    tests.better_structures = lambda file, names, workers: ["play"] if "oil_damper" in names else []
     error = BeforeAfter(0.05, left)
     exchanged = SimpleNamespace(
         step=LawStep(("play",), ("oil_damper",)), after=law("play"), heldout=error, nrmse=error, noise_nrmse=0.005
@@ -149,7 +149,7 @@ def test_where_the_next_effect_takes_little_a_part_gives_way_to_its_like(kind, l
 def test_that_a_law_on_another_base_would_create_energy_is_told(base, cycle, told, monkeypatch):
     """An eddy-current damper's ladder had come to one, and `build-fmu` alone said so."""
     tests = answering({(): found("unknown"), ("series",): found("unknown")}, monkeypatch)
-    tests.better_structures = lambda file, names, progress: [base] if not file.effects else []
+    tests.better_structures = lambda file, names, workers: [base] if not file.effects else []
     after = law("series")
     after.base = base
     step = SimpleNamespace(
@@ -172,7 +172,7 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
     monkeypatch.setitem(HELD_OUT, "oil_damper", 0.005)
     tests, asked = answering(answers, monkeypatch), []
 
-    def simpler(file, names, progress):
+    def simpler(file, names, workers):
         asked.append(set(names))
         return SimpleNamespace(effects=("memory", "relaxation"))
 

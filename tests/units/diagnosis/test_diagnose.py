@@ -34,8 +34,9 @@ from pipeclamp_identification.workflow import on_records
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.processes import ALONE
+from pipeclamp_models.base.progress import silent
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, Provenance, law_text
 from pipeclamp_models.law.law import Law, Structure, with_effect
@@ -173,7 +174,7 @@ def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(
     )
     problem, fitted = prepare(Structure("power"), loops_of(tests))
     law = judge((), Structure("power"), [fitted.law.values], problem)
-    (promise,) = screened(Structure("power"), problem, law, silent, ["oil_damper"])
+    (promise,) = screened(Structure("power"), problem, law, ALONE, ["oil_damper"])
     found = [
         roughly(with_effect(Structure("power"), "oil_damper"), [start.values], problem) for start in promise.starts
     ]
@@ -188,12 +189,12 @@ def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign
     structure = Structure("power", ("relaxation",))
     problem, fitted = prepare(structure, loops_of(tests))
     law = judge((), structure, [fitted.law.values], problem)
-    (promise,) = screened(structure, problem, law, silent, ["relaxation_temperature"])
+    (promise,) = screened(structure, problem, law, ALONE, ["relaxation_temperature"])
     times = {start.values["tau"] for start in promise.starts}
     assert law.result.law.values["tau"] in times
     begun_anew = starting_points(with_effect(Structure("power"), "relaxation"), problem.observations, {})
     assert {start["tau"] for start in begun_anew} < times, "and times that only the hottest tests would show"
-    (promise,) = screened(structure, problem, law, silent, ["damping_temperature"])
+    (promise,) = screened(structure, problem, law, ALONE, ["damping_temperature"])
     assert {start.values["tau"] for start in promise.starts} == {law.result.law.values["tau"]}
 
 
@@ -349,10 +350,10 @@ def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
     taken = identify(tests, Structure(effects=("hardening",))).fit.law
-    better, *_ = better_structures(ask_again(taken, loops), None, silent)
+    better, *_ = better_structures(ask_again(taken, loops), None, ALONE)
     assert better == Structure("power", ("end_stop",))
     assert not better_structures(
-        ask_again(identify(tests, Structure(effects=better.effects)).fit.law, loops), None, silent
+        ask_again(identify(tests, Structure(effects=better.effects)).fit.law, loops), None, ALONE
     )
 
 
@@ -363,7 +364,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     write_campaign(tmp_path / "campaign", rig.virtual_runs(truth, PLAN), name="virtual", notes="")
     tests = read_campaign(tmp_path / "campaign")
     taken = identify(tests, Structure(effects=("oil_damper",))).fit.law
-    structures = better_structures(ask_again(taken, loops_of(tests)), None, silent)
+    structures = better_structures(ask_again(taken, loops_of(tests)), None, ALONE)
     assert structures == [Structure("series:1:2", ("oil_damper",)), Structure("series:1:2")]
 
 
@@ -377,8 +378,8 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
 def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, hidden, values, expected):
     tests, taken = campaign((hidden,), **values), "gas_spring"
     asked = ask_again(identify(tests, Structure(effects=(taken,))).fit.law, loops_of(tests))
-    assert simpler_structure(asked, (), silent) is None
-    assert simpler_structure(asked, (taken,), silent) == (expected and Structure("power", (expected,)))
+    assert simpler_structure(asked, (), ALONE) is None
+    assert simpler_structure(asked, (taken,), ALONE) == (expected and Structure("power", (expected,)))
 
 
 def test_no_next_test_without_rivals(campaign):

@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatte
 from pipeclamp_identification.diagnosis.weighing.scales import Scales
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
-from pipeclamp_models.base.progress import ALONE
+from pipeclamp_models.base.processes import ALONE
 
 RUNS, CHANNELS, NOISE, SCATTER = 16, 7, 0.3, 0.02
 GROUPS = np.repeat(np.arange(8), 2)

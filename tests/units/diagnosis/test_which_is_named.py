@@ -17,7 +17,7 @@ from pipeclamp_identification.diagnosis.weighing.scales import Scales
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure
 
 

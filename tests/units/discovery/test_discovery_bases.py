@@ -14,7 +14,7 @@ from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import Guard
 from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_models.base.progress import ALONE
+from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.law.law import Law, Structure, with_effect
 
 BASE = {

@@ -8,10 +8,10 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.diagnosis import problem
 from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.fitting.identify import identify, law_file
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base import processes
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Law, Structure
@@ -66,7 +66,7 @@ def in_millinewtons(campaign):
 
 
 def test_the_answer_is_the_same_on_two_cores_in_another_order_and_in_millinewtons(tests, once, monkeypatch):
-    monkeypatch.setattr(problem, "WORTH_PROCESSES", 1)
+    monkeypatch.setattr(processes, "BEGINNING_S", 0.0)
     again = found_in(in_millinewtons(other_order(tests)), jobs=2)
     assert again.found is not None
     assert again.found.term.declaration.id == once.found.term.declaration.id

@@ -16,7 +16,7 @@ from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, refitted
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.weights import weighed_by
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_models.base.progress import ALONE
+from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.law.law import Law, Structure, with_effect
 
 BASE = {

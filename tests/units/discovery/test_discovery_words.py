@@ -10,7 +10,7 @@ from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.discover import TermSearch
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.proposal import TermProposal, formula_of
-from pipeclamp_models.base.progress import ALONE
+from pipeclamp_models.base.processes import ALONE
 
 
 def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():

@@ -11,6 +11,7 @@ from pipeclamp_identification.fitting.heldout import (
     condition_groups,
     folds,
     further_groups,
+    left_out_at_once,
     refitted_nrmse,
 )
 from pipeclamp_identification.fitting.observations import loop_observations
@@ -40,6 +41,7 @@ def test_a_sweep_in_small_steps_is_left_out_in_classes(tmp_path):
 def test_at_one_amplitude_and_frequency_runs_are_left_out(tmp_path):
     loops = _loops(tmp_path, rig.TestPlan((0.5,), (3.0,), (20.0, 100.0, 200.0, 300.0), cycles=3, rate=200))
     assert sorted(condition_groups(loops)) == [0, 1, 2, 3]
+    assert left_out_at_once(loops) == "runs"
     assert 0 < refitted_nrmse(law_of(open_law("emwm2")), loops, loop_observations(loops)) < 0.2
 
 
@@ -48,6 +50,7 @@ def test_without_one_of_two_amplitudes_and_frequencies_nothing_would_show_what_t
     plan = rig.TestPlan((0.3, 0.9), (2.0,), (20.0, 100.0, 200.0), cycles=3, rate=200, repeats=2, amplitude_error=0.01)
     loops = _loops(tmp_path, plan)
     assert sorted(np.bincount(condition_groups(loops))) == [2] * 6
+    assert left_out_at_once(loops) == "settings"
     assert sorted(np.bincount(amplitude_and_frequency_groups(loops))) == [6, 6]
 
 

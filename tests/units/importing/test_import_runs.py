@@ -460,6 +460,7 @@ def test_several_processes_and_pieces_of_a_file_make_the_same_campaign(tmp_path,
     for number, frequency in enumerate((1.0, 3.0)):
         (folder / f"r{number}.csv").write_text(text(loop(0.5, frequency, seed=number)))
     pc.import_files(folder, tmp_path / "a", name="c")
+    monkeypatch.setattr(taking, "cores", lambda: 2)
     monkeypatch.setattr(taking, "WORTH_PROCESSES", 0)
     pc.import_files(folder, tmp_path / "b", name="c")
     monkeypatch.setattr(taking, "LARGE", 0)

@@ -8,6 +8,7 @@ from few_effects import few_effects
 
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+from pipeclamp_identification.fitting.joint.not_fitted import ONE_AMPLITUDE
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import judge_metrics, metric_scatter_of
@@ -28,9 +29,9 @@ CROSS = [(0.8, f, 20.0) for f in (1.0, 2.0, 3.0, 4.0, 5.0)]
 CROSS += [(A, 3.0, 20.0) for A in (0.2, 0.5, 1.0)] + [(0.8, 3.0, T) for T in (100.0, 200.0, 300.0)]
 
 
-def metrics(effects=(), scatter=0.003, seed=0, **values):
+def metrics(effects=(), scatter=0.003, seed=0, conditions=CROSS, **values):
     """Metrics of a law at a cross of conditions, as a paper prints them."""
-    A, f, T = np.array(CROSS).T
+    A, f, T = np.array(conditions).T
     motion = sinusoids(A, f, T + 273.15)
     law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
     random = np.random.default_rng(seed)
@@ -38,7 +39,7 @@ def metrics(effects=(), scatter=0.003, seed=0, **values):
     energies *= np.exp(scatter * random.standard_normal(energies.shape))
     runs = tuple(
         MetricRun(f"r{row}", Setup(temperature_C=T), A, f, *(float(f"{one:.4f}") for one in pair), (1e-4, 1e-4))
-        for row, ((A, f, T), pair) in enumerate(zip(CROSS, energies, strict=True))
+        for row, ((A, f, T), pair) in enumerate(zip(conditions, energies, strict=True))
     )
     return MetricCampaign("virtual", "", "none", runs, (), ())
 
@@ -48,6 +49,18 @@ def quiet():
     """The base law, nothing hidden: law and observations."""
     observations = metric_observations(metrics())
     return judge_metrics((), Structure("power"), {}, observations), observations
+
+
+def test_at_one_amplitude_nothing_is_fitted_or_named_that_only_a_shape_would_show():
+    """A polymer's stiffness over temperature had been followed by a cubic stiffness, and by a gas spring."""
+    strip = [(0.8, f, T) for f in (1.0, 3.0, 9.0) for T in (20.0, 60.0, 100.0, 140.0)]
+    observations = metric_observations(metrics(conditions=strip))
+    law = judge_metrics((), Structure("power"), {}, observations)
+    assert {law.result.frozen[name] for name in ("k30", "k3_A", "k3_T")} == {ONE_AMPLITUDE}
+    assert law.result.law.values["k30"] == 0.0
+    for name in ("gas_spring", "hardening", "end_stop"):
+        assert look(law, name, observations).hidden == ONE_AMPLITUDE
+    assert not look(law, "damping_temperature", observations).hidden
 
 
 def test_scatter_alone_is_complete():

@@ -12,7 +12,7 @@ from pipeclamp_identification.diagnosis.weighing.channel import BentChannel, ben
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, explains, may_be_form
-from pipeclamp_models.base.progress import Workers
+from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.file import NamedKind, Verdict
 from pipeclamp_models.law.law import Structure
 

@@ -99,7 +99,7 @@ def _two_or_a_part(scales: Scales, sound: Sequence[Judged]) -> tuple[Weighed | N
     rivals = rivals_of(able[0], able, problem) if able else []
     in_pairs = sound and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
     ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
-    promises = screened(structure, problem, scales.law, scales.workers.tell, ids)
+    promises = screened(structure, problem, scales.law, scales.workers, ids)
     pair: Judged | None = None
     found: Weighed | None = None
     if sound:

@@ -11,12 +11,14 @@ from pipeclamp_models.law.law import Equations, Structure, find_base
 HELD = "held by the law's structure"
 WISHED = "held by wish"
 DENIED = "at rest before the tests there is no such force"
+ONE_AMPLITUDE = "A doesn't vary, and without records nothing shows the loops' shape"
 
 
 def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
     """Give the parameters that the data can't determine, with the reason.
 
-    Nothing uses them, their condition doesn't vary, or they make a constant force, which forces at rest deny.
+    Nothing uses them, their condition doesn't vary, they make a constant force, which forces at rest deny, or loops of
+    one amplitude don't show them, whose shape isn't known.
     """
     reasons: dict[str, str] = {}
     for parameter in equations.parameters:
@@ -25,6 +27,9 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
             continue
         if parameter.at_rest and observations.deny_constant_force:
             reasons[parameter.name] = DENIED
+            continue
+        if parameter.by_shape and not observations.show_shape and not varies_in_amplitude(observations):
+            reasons[parameter.name] = ONE_AMPLITUDE
             continue
         for signal in parameter.follows:
             values = observations.motion.slow.get(signal)
@@ -37,6 +42,11 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
                     f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
                 )
     return reasons
+
+
+def varies_in_amplitude(observations: Observations) -> bool:
+    """Tell whether loops of several amplitudes are there."""
+    return count_levels("A", observations.motion.slow["A"]) > 1
 
 
 def not_fitted(structure: Structure, equations: Equations, observations: Observations) -> dict[str, str]:
