@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
-import numpy as np
-
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
-from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, unproved_of
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, unproved_of, untested_words
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
@@ -23,7 +21,6 @@ from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
-from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
@@ -39,9 +36,6 @@ HEADLINES: dict[tuple[Verdict, NamedKind | None], str] = {
 COMPLETE_BUT_FOR_FORM = (
     "Complete, but for its form: what is left beside scatter is small, and no effect of the catalogue takes most of it."
 )
-
-OF_A_MOTION = {"A": ("amplitude", "mm"), "f": ("frequency", "Hz")}
-"""Conditions that a law is asked for at other values than those tested."""
 
 
 @dataclass(frozen=True)
@@ -169,14 +163,7 @@ class RecordDiagnosed:
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""
         problem = self.diagnosis.problem
-        slow = problem.observations.motion.slow
-        nominal = () if problem.loops.time_measured else ("f",)
-        return tuple(
-            f"all tests are at one {condition}, {float(np.median(slow[name])):.3g} {unit}: what the law does at "
-            "others, nothing here shows"
-            for name, (condition, unit) in OF_A_MOTION.items()
-            if not varies(name, slow[name]) and name not in nominal
-        )
+        return untested_words(problem.observations.motion.slow, timed=problem.loops.time_measured)
 
     def left_over(self) -> tuple[str, ...]:
         """Say what is left over beyond scatter: with what is named first, or else by the best law."""

@@ -1,10 +1,14 @@
-"""What a diagnosis names: how it is meant, and what of it was tried on the same tests in vain."""
+"""What a diagnosis names: how it is meant, where nothing shows it, and what was tried on the same tests in vain."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol, Self, TypeVar
 
+import numpy as np
+
+from pipeclamp_identification.signals.levels import varies
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LawFile, NamedKind, Verdict
 from pipeclamp_models.law.step import LawStep, read_step
@@ -13,6 +17,8 @@ NO_PROOF = "a part is no proof: something else that acts alike may stand behind 
 WITH = " with "
 """Joins the names of two that help only together."""
 FURTHER_TESTS = "tests at further conditions would tell whether it is real"
+OF_A_MOTION = {"A": ("amplitude", "mm"), "f": ("frequency", "Hz")}
+"""Conditions that a law is asked for at other values than those tested."""
 
 
 class Naming(Protocol):
@@ -42,6 +48,22 @@ class Naming(Protocol):
 
 
 Named = TypeVar("Named", bound=Naming)
+
+
+def untested_words(slow: Mapping[str, Array], *, timed: bool) -> tuple[str, ...]:
+    """Say which condition of a motion has one value in all tests: of others no verdict can tell.
+
+    Args:
+        slow: each condition of the tests, shape (R, 1).
+        timed: whether their time was measured; frequencies mean nothing otherwise.
+    """
+    nominal = () if timed else ("f",)
+    return tuple(
+        f"all tests are at one {condition}, {float(np.median(slow[name])):.3g} {unit}: what the law does at others, "
+        "nothing here shows"
+        for name, (condition, unit) in OF_A_MOTION.items()
+        if not varies(name, slow[name]) and name not in nominal
+    )
 
 
 def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> Named:

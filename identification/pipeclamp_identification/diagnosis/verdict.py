@@ -164,7 +164,9 @@ def diagnose(
     loops = loops or loops_of(campaign)
     if len(loops.run) < FEWEST_RUNS:
         raise UserError(
-            f"{counted(len(loops.run), 'run')} can't show what a law lacks; expected at least {FEWEST_RUNS}"
+            f"{counted(len(loops.run), 'run')} can't show what a law lacks; expected at least {FEWEST_RUNS}: "
+            "`pipeclamp plan` proposes tests, and a column that numbers its cycles parts a program into runs (import: "
+            "--columns segment=...)"
         )
     workers.tell("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)

@@ -8,7 +8,7 @@ from typing import Self
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest
-from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, untested_words
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
@@ -109,7 +109,9 @@ class MetricDiagnosed:
 
     def words(self) -> list[str]:
         """Say why, what it rests on, and what metrics can't show."""
-        return [*self.diagnosis.reasons, *self.cautions(), *_hidden_words(self.diagnosis)]
+        slow, timed = self.diagnosis.observations.motion.slow, self.campaign.time_measured
+        untested = untested_words(slow, timed=timed)
+        return [*self.diagnosis.reasons, *untested, *self.cautions(), *_hidden_words(self.diagnosis)]
 
     def rung(self) -> tuple[str, ...]:
         """Say what the effect that is named first takes."""

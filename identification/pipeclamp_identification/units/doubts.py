@@ -2,7 +2,8 @@
 
 What is stated of a run and what its record shows are two measurements of one thing. Where all runs differ by the one
 factor that two units differ by, one of the two units is wrong: that is sure. That numbers are far from what clamps do
-isn't: such words hold "likely".
+isn't: of forces, displacements and times such words say "may be", for what is tested may be softer, slower or smaller
+than clamps are, and of temperatures, which several round numbers tell, "likely".
 """
 
 from __future__ import annotations
@@ -34,15 +35,15 @@ RATES = {1 / 60: "rpm for Hz", 1 / (2 * math.pi): "rad/s for Hz"}
 KELVINS_APART = 5.0
 """K within which a temperature that is shown agrees with the stated one in another unit."""
 SOFTEST, WEAKEST = 20.0, 20.0
-"""N/mm and N below which, both at once, no clamp was ever tested: kN are likely."""
+"""N/mm and N below which, both at once, no clamp was ever tested: kN may be meant."""
 STIFFEST = 1e6
-"""N/mm above which m for mm, or mN for N, is likely."""
+"""N/mm above which m for mm, or mN for N, may be meant."""
 SMALLEST, LARGEST = 1e-3, 200.0
-"""Amplitudes in mm beyond which another unit is likely."""
+"""Amplitudes in mm beyond which another unit may be meant."""
 SLOWEST, SLOW_STEP = 0.05, 0.5
-"""Hz and s: a test that is slower, with stamps of time farther apart, likely counts milliseconds."""
+"""Hz and s: a test that is slower, with stamps of time farther apart, may count milliseconds."""
 FASTEST = 2000.0
-"""Hz above which time is likely in another unit."""
+"""Hz above which time may be in another unit."""
 ROOM = (285.0, 300.0)
 """K that a room has, as the lowest of several temperatures in °C hardly is."""
 ROUND = 5.0
@@ -131,7 +132,7 @@ def _contradicted_temperatures(settings: Sequence[StatedAndShown]) -> str:
 
 
 def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
-    """Say which units are likely wrong, each with its factor: nothing contradicts them, but clamps hardly are so."""
+    """Say which units may be wrong, each with its factor: nothing contradicts them, but clamps hardly are so."""
     if not runs:
         return ()
     stiffness = float(np.median([run.stiffness for run in runs]))
@@ -141,20 +142,20 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
     found = []
     if stiffness < SOFTEST and stiffness * amplitude < WEAKEST:
         found.append(
-            f"the force is likely in kN, not N (factor 1000): {newtons(stiffness * amplitude)} of amplitude, "
+            f"the force may be in kN, not N (factor 1000): {newtons(stiffness * amplitude)} of amplitude, "
             f"{stiffness:.3g} N/mm of stiffness"
         )
     if stiffness > STIFFEST or amplitude < SMALLEST:
         found.append(
-            f"the displacement is likely in m, not mm (factor 1000): {amplitude:.3g} mm of amplitude, {stiffness:.3g} "
+            f"the displacement may be in m, not mm (factor 1000): {amplitude:.3g} mm of amplitude, {stiffness:.3g} "
             "N/mm of stiffness"
         )
     elif amplitude > LARGEST:
-        found.append(f"the displacement is likely in µm, not mm (factor 0.001): {amplitude:.4g} mm of amplitude")
+        found.append(f"the displacement may be in µm, not mm (factor 0.001): {amplitude:.4g} mm of amplitude")
     if frequency < SLOWEST and step > SLOW_STEP:
-        found.append(f"the time is likely in ms, not s (factor 0.001): {frequency:.3g} Hz, a sample every {step:.3g} s")
+        found.append(f"the time may be in ms, not s (factor 0.001): {frequency:.3g} Hz, a sample every {step:.3g} s")
     elif frequency > FASTEST:
-        found.append(f"the time is likely not in s: {frequency:.4g} Hz")
+        found.append(f"the time may not be in s: {frequency:.4g} Hz")
     known = np.array(
         [run.temperature_C.stated for run in runs if run.temperature_C.stated is not None], dtype=np.float64
     )

@@ -15,7 +15,7 @@ def held(runs, kelvin):
     loops = SimpleNamespace(
         amplitude_mm=np.full(runs, 0.5), frequency_Hz=np.full(runs, 3.0), temperature_K=np.full(runs, kelvin)
     )
-    return Comparison(None, None, loops, (None,) * runs, {})
+    return Comparison(None, SimpleNamespace(time_measured=True), loops, (None,) * runs, {})
 
 
 @pytest.mark.parametrize(("kelvin", "at"), [(293.15, ",T=20..20"), (float("nan"), "")])

@@ -34,7 +34,7 @@ from pipeclamp_identification.workflow import on_records
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.base.progress import silent
 from pipeclamp_models.law.declaration_files import read_declaration
@@ -81,6 +81,13 @@ def test_scatter_alone_is_complete(campaign):
     diagnosis = diagnose(Structure("power"), campaign())
     assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
     assert " 0.00%" not in diagnosis.reasons[0]
+
+
+def test_too_few_runs_are_refused_with_what_makes_more(campaign):
+    tests = campaign()
+    few = replace(tests, runs=tests.runs[:3])
+    with pytest.raises(UserError, match=r"3 runs can't .* at least 4: `pipeclamp plan` .*--columns segment="):
+        diagnose(Structure("power"), few)
 
 
 def test_a_condition_that_no_test_varies_is_told(campaign):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -122,14 +123,15 @@ def test_results_beside_records_are_left_out_by_name(tmp_path):
         pc.import_files(analyser(tmp_path / "again.txt", scale=2.0), tmp_path / "c")
 
 
-def test_moduli_need_the_parts_stiffness_for_one_of_them(tmp_path):
+@pytest.mark.parametrize("names", [("E'", 'E"'), ("E_stor", "E_loss")])
+def test_moduli_need_the_parts_stiffness_for_one_of_them(tmp_path, names):
     count = len(FREQUENCIES)
     columns = [FREQUENCIES, np.full(count, 2.0), STORAGE / 50, LOSS / 50]
-    file = written(tmp_path / "m.txt", ["Freq", "Amplitude", "E'", 'E"'], ["[Hz]", "[µm]", "[MPa]", "[MPa]"], columns)
+    file = written(tmp_path / "m.txt", ["Freq", "Amplitude", *names], ["[Hz]", "[µm]", "[MPa]", "[MPa]"], columns)
     with pytest.raises(UserError, match=r"its moduli are the material's") as told:
         pc.import_files(file, tmp_path / "c")
-    option = str(told.value).partition("--columns '")[2].rpartition("'")[0].replace("'\"'\"'", "'")
-    assert option == "storage_stiffness=E' [MPa] [12.5 N/mm],loss_stiffness=E\" [MPa] [12.5 N/mm]"
+    _, option = shlex.split(str(told.value).rpartition("\n")[2])
+    assert option == f"storage_stiffness={names[0]} [MPa] [12.5 N/mm],loss_stiffness={names[1]} [MPa] [12.5 N/mm]"
     pc.import_files(file, tmp_path / "c", columns=option.replace("12.5", "50"))
     runs = read_tests(tmp_path / "c").campaign.runs
     assert [run.stiffness for run in runs] == pytest.approx(np.hypot(STORAGE, LOSS).tolist(), rel=1e-4)

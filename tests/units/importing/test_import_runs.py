@@ -265,6 +265,21 @@ def test_a_peak_of_a_small_loop_of_few_samples_is_no_spike():
     assert "1 spike in force_N" in without_spikes(Record(t, y, force)).told[0]
 
 
+@pytest.mark.parametrize("late", [0, 1])
+def test_a_peak_where_a_triangle_turns_is_no_spike(late):
+    """As a rubber's force peaks there; the motion may turn a sample later. One against the motion's way is a spike."""
+    t = np.arange(400) / 40
+    y = 10 * np.abs(2 * ((t + 0.5) % 1) - 1)
+    force = 2 * y + 0.5 * np.sin(3 * y)
+    turn = int(np.argmax(y[20:60])) + 20
+    y[turn + late] = 10.05
+    peak, dip = force.copy(), force.copy()
+    peak[turn] += 6
+    dip[turn] -= 26
+    assert not without_spikes(Record(t, y, peak)).told
+    assert "1 spike in force_N" in without_spikes(Record(t, y, dip)).told[0]
+
+
 @pytest.mark.parametrize("per_cycle", [16, 50, 400])
 @pytest.mark.parametrize("loops", ["friction", "viscous", "impact", "noise"])
 def test_no_loop_is_taken_for_spikes(per_cycle, loops):

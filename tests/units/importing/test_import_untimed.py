@@ -99,6 +99,17 @@ def test_a_level_of_force_in_a_picture_is_no_clipped_sensor(tmp_path):
     assert [run.cycles.count for run in read_campaign(tmp_path / "c").runs] == [1]
 
 
+def test_a_cycle_from_turn_to_turn_without_a_time_has_no_frequency(tmp_path):
+    """Up and back once: it had been a sine of as many hertz as its samples made, beside others of 1 Hz."""
+    y = np.concatenate([np.linspace(0, 2, 12), np.linspace(2, 0, 12)[1:]])
+    rows = [f"{a:.4f},{900 * a + (150 if i < 12 else -150):.2f}" for i, a in enumerate(y)]
+    (tmp_path / "a.csv").write_text("\n".join(["Displacement [mm],Force [N]", *rows]))
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c", rate="none")
+    (run,) = found.to_dict()["runs"]
+    assert "its motion is no sine (without a time, it takes two turns within it to tell a cycle)" in str(run)
+    assert "free" in (tmp_path / "c" / "runs.csv").read_text()
+
+
 def test_tests_without_a_time_are_marked_and_told(tmp_path, files):
     found = pc.import_files(files, tmp_path / "c", rate="none")
     assert any("time was not measured" in words for words in found.notes)

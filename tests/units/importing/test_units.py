@@ -77,15 +77,15 @@ def test_a_unit_that_contradicts_what_is_stated_is_refused(campaign, changes, to
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"channels": (OWN, (1, 1, 1e-3))}, "the force is likely in kN, not N (factor 1000)"),
-        ({"channels": (OWN, (1, 1, 1e3))}, "the displacement is likely in m"),
+        ({"channels": (OWN, (1, 1, 1e-3))}, "the force may be in kN, not N (factor 1000)"),
+        ({"channels": (OWN, (1, 1, 1e3))}, "the displacement may be in m"),
         (
             {"channels": (OWN, (1, 1e-3, 1)), "stated": {"amplitude_mm": lambda A: ""}},
-            "likely in m, not mm (factor 1000)",
+            "may be in m, not mm (factor 1000)",
         ),
         (
             {"channels": (OWN, (1e3, 1, 1)), "stated": {"frequency_Hz": lambda f: ""}},
-            "likely in ms, not s (factor 0.001)",
+            "may be in ms, not s (factor 0.001)",
         ),
         ({"stated": {"temperature_C": lambda T: T + 273.15}}, "is likely in K: 20 to 150 °C"),
         ({"stated": {"temperature_C": lambda T: 293.15}}, "is likely in K: 20 °C"),

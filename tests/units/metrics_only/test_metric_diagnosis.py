@@ -92,6 +92,17 @@ def test_a_missing_effect_is_named_with_its_caution(named):
     assert any("rests on one row" in caution for caution in answer.cautions())
 
 
+def test_a_condition_that_no_test_varies_is_told(named):
+    tests, diagnosis = named
+    alike = diagnosis.observations.rows(np.flatnonzero(np.array(CROSS)[:, 0] == 0.8))
+    told = [
+        MetricDiagnosed(one, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None).words()
+        for one in (diagnosis, replace(diagnosis, observations=alike))
+    ]
+    line = "all tests are at one amplitude, 0.8 mm: what the law does at others, nothing here shows"
+    assert [line in words for words in told] == [False, True]
+
+
 @pytest.mark.parametrize("name", ["asymmetry", "offset", "directional_damping"])
 def test_what_metrics_dont_show_is_hidden(quiet, name):
     assert "only a recorded loop" in look(quiet[0], quiet[1], name).hidden

@@ -30,6 +30,8 @@ from pipeclamp_models.base.tables import pl
 
 BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
+HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle"
+"""Why a record whose time wasn't measured is no sine."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,11 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
     repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
-    record, seen, words = _usable(repaired.record, piece.timed)
+    # what isn't laid out has the time of its samples, in which cycles mean nothing
+    usable = (
+        _usable(repaired.record, piece.timed) if piece.timed or repaired.told else _free(clean.record, HARDLY_TURNS)
+    )
+    record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
     further = {name: values[kept.first : kept.last] for name, values in trace.further.items()}
@@ -146,7 +152,7 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
     try:
         cycles = find_cycles(record)
     except UnusableRecord as fault:
-        return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({fault}): it is free",)
+        return _free(record, str(fault))
     words: tuple[str, ...] = ()
     try:
         # a sensor is clipped where it enters its end at speed, which nobody knows without a time
@@ -159,9 +165,14 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
         check_clipping(record, cycles)
     if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):
         if disorder := irregular(record.displacement_mm):
-            return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({disorder}): it is free",)
+            return _free(record, disorder)
         words = (*words, change)
     return record, seen_sine(record, cycles), words
+
+
+def _free(record: Record, why: str) -> tuple[Record, SeenRecord, tuple[str, ...]]:
+    """Give a record of any motion, what it shows, and why it is no sine."""
+    return record, seen_free(record, free_motion(record)), (f"its motion is no sine ({why}): it is free",)
 
 
 def _samples(table: RawTable, trace: Trace, part: SampleRange) -> tuple[int, int]:

@@ -25,7 +25,7 @@ TURNS = {"rad": 1 / (2 * math.pi), "rpm": 1 / 60, "1/min": 1 / 60, "min-1": 1 / 
 SAME_LETTERS = str.maketrans({"’": "'", "′": "'", "`": "'", "´": "'", "″": '"', "”": '"', "“": '"', "δ": "delta"})
 LOSS_ANGLES = frozenset(("phase", "delta", "verlustwinkel", "phasenwinkel", "dephasage", "sfasamento", "desfase"))
 LOSS_FACTORS = frozenset(("tan", "tand", "tandelta", "verlustfaktor"))
-STORED = frozenset(("storage", "speicher", "speichersteifigkeit", "speichermodul", "elastic", "conservation"))
+STORED = frozenset(("storage", "stor", "speicher", "speichersteifigkeit", "speichermodul", "elastic", "conservation"))
 LOST = frozenset(("loss", "verlust", "verluststeifigkeit", "verlustmodul", "viscous", "perte"))
 WHOLE = frozenset(
     ("dynamic", "complex", "stiffness", "kdyn", "cdyn", "dyn", "dynamische", "steifigkeit", "komplexe", "raideur")

@@ -55,7 +55,8 @@ def without_spikes(record: Record) -> Repaired:
 
     Hampel (J. Am. Stat. Assoc. 69, 1974): a sample lies many times the median absolute deviation off what is usual.
     Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing. Where a motion
-    turns within a few samples, the force's peak there is no spike.
+    turns within a few samples, the force's peak there is no spike, nor is one that points the way of any turn: forces
+    peak where a triangle turns.
     """
     changed: dict[str, Array] = {}
     told: list[str] = []
@@ -69,15 +70,26 @@ def without_spikes(record: Record) -> Repaired:
     return Repaired(replace(record, **changed) if changed else record, tuple(told))
 
 
-def _quick_turns(motion: Array) -> npt.NDArray[np.bool_]:
-    """Give the samples beside turns of a motion whose half cycles, before and after, hold few samples."""
+def _peaks_of_turns(motion: Array, off: Array) -> npt.NDArray[np.bool_]:
+    """Give the samples at which a peak comes with a turn of the motion.
+
+    These lie beside a turn whose half cycles, before and after, hold few samples, or beside any whose way the peak
+    points.
+
+    Args:
+        motion: displacement, shape (n,).
+        off: how far each sample stands off the line between those beside it, shape (n,).
+    """
     turns = turns_of(motion)
     half = np.diff(turns)
-    quick = turns[1:-1][np.maximum(half[:-1], half[1:]) < FEW_SAMPLES]
-    beside = np.zeros(len(motion), dtype=np.bool_)
+    inner = turns[1:-1]
+    quick = np.maximum(half[:-1], half[1:]) < FEW_SAMPLES
+    way = motion[inner] - motion[turns[:-2]]
+    found = np.zeros(len(motion), dtype=np.bool_)
     for step in (-1, 0, 1):
-        beside[(quick + step).clip(0, len(motion) - 1)] = True
-    return beside
+        beside = (inner + step).clip(0, len(motion) - 1)
+        found[beside[quick | (off[beside] * way > 0)]] = True
+    return found
 
 
 def evened(record: Record) -> Repaired:
@@ -164,7 +176,7 @@ def _despiked(name: str, values: Array, motion: Array | None = None) -> tuple[Ar
     """Take spikes out of a channel; where it follows a motion, peaks of this are none."""
     found = _spikes(values) if name != "time_s" else np.zeros(len(values), dtype=np.bool_)
     if motion is not None and np.any(found):
-        found &= ~_quick_turns(motion)
+        found &= ~_peaks_of_turns(motion, values - on_lines(values, found))
     count = int(np.count_nonzero(found))
     if not count:
         return values, ""
