@@ -16,10 +16,14 @@ import signal
 import sys
 
 PACKAGES = ("pipeclamp_models", "pipeclamp_fmu", "pipeclamp_system", "pipeclamp_identification", "pipeclamp")
+LOADED_LATE = ("control", "pint")
+"""Libraries that functions load, and that take long to."""
 
 
 def load_all() -> None:
-    """Load all modules but those that are run."""
+    """Load all modules but those that are run, and libraries."""
+    for library in LOADED_LATE:
+        importlib.import_module(library)
     for package in PACKAGES:
         for module in pkgutil.walk_packages(importlib.import_module(package).__path__, f"{package}."):
             if not module.name.endswith("__main__"):
