@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,9 @@ from project import DATA, ROOT
 from pipeclamp.__main__ import main
 
 ROOMS = [str(ROOT / room) for room in ("models", "fmu_src", "identification")]
+
+LONGEST = 1800
+"""A command that takes longer, s, is ended."""
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -29,24 +33,57 @@ def environment(*modules: Path) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": os.pathsep.join([*map(str, modules), *ROOMS]), "PYTHONIOENCODING": "utf-8"}
 
 
-def call(words: Sequence[str | Path], cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        command(*words), cwd=cwd, env=environment(), capture_output=True, encoding="utf-8", timeout=1800, check=False
-    )
+class Calls:
+    """Runs commands, each in a process of its own: the first of each name from nothing, so that what a command fails to
+    load is seen, further ones with all modules loaded, which saves most of a short one's time."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.known: set[str] = set()
+        self.loaded: subprocess.Popen[str] | None = None
+
+    def __call__(self, words: Sequence[str], cwd: Path) -> subprocess.CompletedProcess[str]:
+        name = words[0] if words else ""
+        if name in self.known and sys.platform == "linux":  # elsewhere a fork isn't safe
+            return self._forked(words, cwd)
+        self.known.add(name)
+        pipe, whole = subprocess.PIPE, command(*words)
+        return subprocess.run(
+            whole, cwd=cwd, env=environment(), stdout=pipe, stderr=pipe, encoding="utf-8", timeout=LONGEST, check=False
+        )
+
+    def _forked(self, words: Sequence[str], cwd: Path) -> subprocess.CompletedProcess[str]:
+        if self.loaded is None:
+            program, pipe = [sys.executable, str(Path(__file__).with_name("loaded_program.py"))], subprocess.PIPE
+            self.loaded = subprocess.Popen(program, env=environment(), stdin=pipe, stdout=pipe, encoding="utf-8")
+        out, told = self.folder / "stdout", self.folder / "stderr"
+        for path in (out, told):
+            path.write_bytes(b"")
+        asked = {"words": words, "cwd": str(cwd), "environment": environment(), "out": str(out), "told": str(told)}
+        assert self.loaded.stdin and self.loaded.stdout
+        print(json.dumps(asked | {"longest": LONGEST}), file=self.loaded.stdin, flush=True)
+        status = int(self.loaded.stdout.readline())
+        return subprocess.CompletedProcess(words, status, out.read_text("utf-8"), told.read_text("utf-8"))
+
+    def end(self) -> None:
+        if self.loaded:
+            self.loaded.communicate()
 
 
 @pytest.fixture(scope="session")
-def pipeclamp(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def pipeclamp(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run]:
     """Give a function that runs a command and holds its exit status; nothing may ever be a traceback."""
     elsewhere = tmp_path_factory.mktemp("elsewhere")
+    calls = Calls(tmp_path_factory.mktemp("calls"))
 
     def run(*words: str | Path, status: int = 0, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-        done = call(words, cwd or elsewhere)
+        done = calls([str(word) for word in words], cwd or elsewhere)
         assert "Traceback" not in done.stderr, done.stderr
         assert done.returncode == status, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
         return done
 
-    return run
+    yield run
+    calls.end()
 
 
 @pytest.fixture(scope="session")

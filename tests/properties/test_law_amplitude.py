@@ -15,7 +15,9 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance, law_of, read_law
-from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.run import run_described
+from pipeclamp_system.description.system import read_system
 
 PLAN = virtual.TestPlan(
     (0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0
@@ -87,8 +89,13 @@ def system(folder: Path, mode: str, amplitude: float) -> Path:
     return path
 
 
+def coupled(file: Path) -> CosimResult:
+    """Co-simulate without another run that tells the error of its steps: nothing here asks for that."""
+    return run_described(read_system(file), file.parent, str(file), checked=False)
+
+
 def test_solved_runs_end_where_the_motion_shows_what_was_given(fmus: Path) -> None:
-    results = [run_system(system(fmus, "solve = true", start)) for start in (0.2, 1.0)]
+    results = [coupled(system(fmus, "solve = true", start)) for start in (0.2, 1.0)]
     for result in results:
         assert 1 < result.runs < 15
         used = 1e3 * result.columns["c.A_used"][-1]
@@ -97,9 +104,9 @@ def test_solved_runs_end_where_the_motion_shows_what_was_given(fmus: Path) -> No
         assert f"(solved in {result.runs} runs)" in result.summary()
     first, second = (result.amplitude("c.s") for result in results)
     assert first == pytest.approx(second, rel=0.01)
-    tracked = run_system(system(fmus, "track = true", 0.5))
+    tracked = coupled(system(fmus, "track = true", 0.5))
     assert tracked.amplitude("c.s") == pytest.approx(first, rel=0.01)
     assert "(tracked, at the end)" in tracked.summary()
-    given = run_system(system(fmus, "", 1.0))
+    given = coupled(system(fmus, "", 1.0))
     assert "(as given)" in given.summary()
     assert np.ptp(given.columns["c.A_used"]) == 0.0

@@ -9,12 +9,15 @@ swing from step to step for as long as the clamp is held.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
 from pipeclamp_models.realise.scalar_law import ScalarLaw
+from pipeclamp_models.steps.within_step import Step
 
 STEPPING_FORCE_SHARE = 0.02
 """Share of the largest force so far by which one changes in a step that steps."""
@@ -32,19 +35,25 @@ states after are written into the last."""
 _CLAMPS = types.FunctionType(_LAWS)
 
 
-def machine_clamps(laws: list[ScalarLaw]) -> Any:
-    """Give the laws of all clamps as one function in machine code."""
+def machine_clamps(laws: Sequence[ScalarLaw]) -> Any:
+    """Give the laws of all clamps as one function in machine code; laws that differ in values alone have one."""
+    counts = (len(law.coefficients(1.0, 1.0, 293.15, *[1.0] * len(law.further))) for law in laws)
+    return _compiled(tuple((law.step, count, len(law.states)) for law, count in zip(laws, counts, strict=True)))
+
+
+@lru_cache(maxsize=32)
+def _compiled(laws: tuple[tuple[Step, int, int], ...]) -> Any:
+    """Compile steps of so many coefficients and states, which takes a second."""
     scope: dict[str, Any] = {}
     lines = ["def clamps(place, held, states, before, y, v, h, after):"]
-    for place, law in enumerate(laws):
-        scope[f"step_{place}"] = njit(law.step)
-        count = len(law.coefficients(1.0, 1.0, 293.15, *[1.0] * len(law.further)))
-        held = "".join(f"held[{place}, {i}], " for i in range(count))
-        own = "".join(f"states[{place}, {i}], " for i in range(len(law.states)))
+    for place, (step, coefficients, states) in enumerate(laws):
+        scope[f"step_{place}"] = njit(step)
+        held = "".join(f"held[{place}, {i}], " for i in range(coefficients))
+        own = "".join(f"states[{place}, {i}], " for i in range(states))
         lines += [
             f"    if place == {place}:",
             f"        force, _, found = step_{place}(({held}), ({own}), before, y, v, h)",
-            *(f"        after[{place}, {i}] = found[{i}]" for i in range(len(law.states))),
+            *(f"        after[{place}, {i}] = found[{i}]" for i in range(states)),
             "        return force",
         ]
     lines.append("    return 0.0")

@@ -43,7 +43,7 @@ class InParts:
         """Give the results; what no part adds to is zero."""
         found: dict[int, Any] = {}
         for function, columns, places in self._parts:
-            for place, value in zip(places, function(*(arguments[column] for column in columns)), strict=True):
+            for place, value in zip(places, function(*[arguments[column] for column in columns]), strict=True):
                 found[place] = found[place] + value if place in found else value
         return [found.get(place, 0.0) for place in self._results]
 

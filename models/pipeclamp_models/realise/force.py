@@ -237,11 +237,11 @@ def _with_means(
     """
     results = [_filled(value, shape) for value in function(*arguments)]
     if len(turning.row):
-        there = [_where_turning(value, turning) if np.ndim(value) else value for value in arguments]
+        there = [value if isinstance(value, float) else _where_turning(value, turning) for value in arguments]
         there[VELOCITY] = turning.v
         for result, values in zip(results, function(*there), strict=True):
             own = result[turning.row, turning.sample]
-            result[turning.row, turning.sample] += turning.share * (np.sum(turning.weight * values, axis=1) - own)
+            result[turning.row, turning.sample] += turning.share * (np.add.reduce(turning.weight * values, 1) - own)
     return results
 
 
@@ -254,7 +254,9 @@ def _filled(value: npt.ArrayLike, shape: tuple[int, int]) -> Array:
 
 def _where_turning(value: npt.ArrayLike, turning: Turning) -> Array:
     """Give a quantity where the motion turns, one row each, of what broadcasts to (R, n) without broadcasting it."""
-    array = np.atleast_2d(np.asarray(value, dtype=np.float64))
+    array = np.asarray(value, dtype=np.float64)
+    if array.ndim < 2:
+        array = np.atleast_2d(array)
     row = turning.row if array.shape[0] > 1 else 0
     sample = turning.sample if array.shape[1] > 1 else 0
     return np.reshape(array[row, sample], (-1, 1))

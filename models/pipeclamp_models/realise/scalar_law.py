@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 from pipeclamp_models.base.kept import kept
@@ -33,10 +33,17 @@ class ScalarLaw:
 
 def loaded(source: str, values: Sequence[float]) -> ScalarLaw:
     """Load a law's generated source with values for its parameters, as the FMU does."""
-    scope: dict[str, Any] = {"math": math}
-    exec(source, scope)
+    scope = _executed(source)
     coefficients = partial(scope["coefficients"], tuple(values))
     return ScalarLaw(scope["STATES"], scope["CONDITIONS"], coefficients, scope["step"])
+
+
+@lru_cache(maxsize=128)
+def _executed(source: str) -> Mapping[str, Any]:
+    """Give what a source defines: laws that differ in values alone have their functions in common."""
+    scope: dict[str, Any] = {"math": math}
+    exec(source, scope)
+    return scope
 
 
 def scalar_law(law: Law) -> ScalarLaw:

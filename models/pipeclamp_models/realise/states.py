@@ -21,14 +21,22 @@ SETTLED_SHARE = 1e-9
 
 
 class StepArguments(NamedTuple):
-    """Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still."""
+    """Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still.
+
+    After them come numbers, which are the same in all rows.
+    """
 
     moving: Sequence[Array]
     held: Sequence[Array]
+    numbers: Sequence[float]
+
+    def around(self, states: Sequence[Array] = ()) -> list[Array | float]:
+        """Give the arguments, with states in between."""
+        return [*self.moving, *states, *self.held, *self.numbers]
 
     def of_rows(self, rows: BoolArray) -> StepArguments:
         """Give what a step takes on some of the rows."""
-        return StepArguments([each[rows] for each in self.moving], [each[rows] for each in self.held])
+        return StepArguments([each[rows] for each in self.moving], [each[rows] for each in self.held], self.numbers)
 
 
 @dataclass(frozen=True)
@@ -195,15 +203,13 @@ class March:
 
     def _columns(self, y_previous: Array) -> StepArguments:
         """Give what the states' update takes before and after the states."""
-        motion, ones = self.motion, np.ones((len(self.motion.y), 1))
-        numbers = [value * ones for value in (*self.values, *self.smoothing)]
+        motion = self.motion
         moving = [motion.y, motion.v, motion.a, y_previous, motion.h]
-        return StepArguments(moving, [*self.coefficients, *numbers])
+        return StepArguments(moving, self.coefficients, [*self.values, *self.smoothing])
 
     def _walk(self, start: Array, columns: StepArguments) -> Array:
         """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
-        moving, held = columns
-        arguments = [*moving, *held]
+        arguments = columns.around()
         states = np.empty((*start.shape, self.motion.y.shape[1]))
         for walk in self.compiled.walks:
             states[walk.states] = walk(start, arguments, self.motion.y.shape)
@@ -211,8 +217,7 @@ class March:
 
     def _turn(self, start: Array, columns: StepArguments) -> AfterMotion:
         """Step along all samples; give what that makes of the states."""
-        moving, held = columns
-        arguments = [*moving, *held]
+        arguments = columns.around()
         (count, rows), samples = start.shape, self.motion.y.shape[1]
         after, largest, slopes = np.empty_like(start), np.empty_like(start), np.zeros((rows, count, count))
         for turn in self.compiled.turns:
@@ -229,9 +234,8 @@ class March:
             trajectory: states after each, (J, R, n).
             columns: the steps' other arguments.
         """
-        moving, held = columns
         before = np.concatenate([start[:, :, None], trajectory[:, :, :-1]], axis=2)
-        arguments = [*moving, *before, *held]
+        arguments = columns.around(list(before))
         found = [slope for part in self.compiled.update_slopes for slope in part(arguments, self.motion.y.shape)]
         return self.compiled.update_slope_places.filled(found)
 

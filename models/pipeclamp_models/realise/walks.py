@@ -10,6 +10,8 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 
 Compiled = Callable[..., Sequence[Any]]
+STILL = (0, 0)
+"""Strides of a number, which is the same at all samples of all rows."""
 
 
 class MachineMarch:
@@ -21,21 +23,26 @@ class MachineMarch:
         self._columns = columns
 
     def __call__(
-        self, arguments: Sequence[Array], start: Array, results: tuple[int, ...], shape: tuple[int, int]
+        self, arguments: Sequence[Array | float], start: Array, results: tuple[int, ...], shape: tuple[int, int]
     ) -> Array:
         """Give the results.
 
         Args:
-            arguments: each (R, n) or what broadcasts to it.
+            arguments: each (R, n) or what broadcasts to it, or a number.
             start: states before the first sample, (J, R).
             results: their shape, (K, R, n) or (K, R), as it was written.
             shape: (R, n).
         """
         from pipeclamp_models.realise.machine import machine_function
 
-        taken = [_spread(arguments[place], shape) for place in self._columns]
-        places = np.array([array.ctypes.data for array, _ in taken], dtype=np.uintp)
-        strides = np.array([own for _, own in taken], dtype=np.int64)
+        taken = [arguments[place] for place in self._columns]
+        numbers = np.array([each for each in taken if isinstance(each, float)])
+        arrays = [_spread(each, shape) for each in taken if not isinstance(each, float)]
+        of_numbers = iter(range(numbers.ctypes.data, numbers.ctypes.data + numbers.nbytes, numbers.itemsize))
+        of_arrays = ((array.ctypes.data, own) for array, own in arrays)
+        where = [(next(of_numbers), STILL) if isinstance(each, float) else next(of_arrays) for each in taken]
+        places = np.array([place for place, _ in where], dtype=np.uintp)
+        strides = np.array([own for _, own in where], dtype=np.int64)
         written = np.empty(results)
         begin = np.ascontiguousarray(start, dtype=np.float64)
         addresses = (each.ctypes.data for each in (places, strides, begin, written))
@@ -65,12 +72,12 @@ class Walk:
         self.states = list(states)
         self._march = MachineMarch("walk", columns, source)
 
-    def __call__(self, start: Array, arguments: Sequence[Array], shape: tuple[int, int]) -> Array:
+    def __call__(self, start: Array, arguments: Sequence[Array | float], shape: tuple[int, int]) -> Array:
         """Give the set's states after each sample, (J, R, n).
 
         Args:
             start: all of the law's states before the first sample, (L, R).
-            arguments: the update's, without the states, each (R, n) or what broadcasts to it.
+            arguments: the update's, without the states, each (R, n) or what broadcasts to it, or a number.
             shape: (R, n).
         """
         return self._march(arguments, start[self.states], (len(self.states), *shape), shape)
@@ -96,7 +103,7 @@ class Turn:
         self._ends, self._beginnings = (list(each) for each in zip(*index, strict=True))
         self._march = MachineMarch("turn", columns, source)
 
-    def __call__(self, start: Array, arguments: Sequence[Array], shape: tuple[int, int]) -> AfterMotion:
+    def __call__(self, start: Array, arguments: Sequence[Array | float], shape: tuple[int, int]) -> AfterMotion:
         """Give what becomes of the set's states; what is taken is as of `Walk`."""
         rows, count = shape[0], len(self.states)
         results = (2 * count + len(self._ends), rows)
@@ -113,6 +120,6 @@ class StepSlopes:
         self._count = count
         self._march = MachineMarch("slopes", columns, source)
 
-    def __call__(self, arguments: Sequence[Array], shape: tuple[int, int]) -> Array:
-        """Give the slopes at each sample, (K, R, n); arguments are the update's, each what broadcasts to (R, n)."""
+    def __call__(self, arguments: Sequence[Array | float], shape: tuple[int, int]) -> Array:
+        """Give the slopes at each sample, (K, R, n); arguments are the update's, as of `Walk`."""
         return self._march(arguments, np.empty((0, shape[0])), (self._count, *shape), shape)

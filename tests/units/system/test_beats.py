@@ -22,7 +22,7 @@ SYSTEM = """name = "case"
 pipe = { file = "pipe.toml" }
 clamps = [{ at = "clamp1", law = "law.json", temperature_C = 20.0, track = true, amplitude_mm = 1, frequency_Hz = 14 }]
 excitation = { kind = "sine", acceleration_m_s2 = 3.0, frequency_Hz = 14.0 }
-run = { stop_s = 7.0, step_s = 0.002 }
+run = { stop_s = 5.0, step_s = 0.002 }
 """
 
 

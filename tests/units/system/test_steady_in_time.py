@@ -15,11 +15,14 @@ from stick_slip import Modal, Rubbing, integrate
 
 from pipeclamp.pages.system.response import IN_TIME, response_picture
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import parse_pipe, read_pipe
 from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_models.realise.scalar_law import scalar_law
 from pipeclamp_system.bands.response import banded_system
 from pipeclamp_system.description.system import read_system
 from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.cycles import machine_clamps
 from pipeclamp_system.steady.described import steady_clamps
 from pipeclamp_system.steady.response import run_response, write_response
 from pipeclamp_system.steady.start import settled
@@ -89,6 +92,16 @@ def test_a_march_from_rest_is_done_once(tmp_path, write_law, monkeypatch):
     np.testing.assert_array_equal(state.clamps, marched.points[:1])
     assert built.marched(4.6, marched.end) is not marched
     assert begun == [4.6, 4.6]
+
+
+def test_laws_that_differ_in_values_alone_are_compiled_once(tmp_path, write_law):
+    def machine(values, *effects):
+        write_law(tmp_path / "law.json", values, "power", effects)
+        return machine_clamps([scalar_law(law_of(read_law(tmp_path / "law.json")))])
+
+    first = machine(DRY, "coulomb", "play")
+    assert machine(DRY | {"F_c": 20.0}, "coulomb", "play") is first
+    assert machine(DRY, "coulomb") is not first
 
 
 def test_its_phase_is_that_of_the_sine(tmp_path, write_law):
