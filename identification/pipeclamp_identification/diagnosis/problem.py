@@ -333,7 +333,7 @@ def judge_each(contenders: Sequence[Contender], problem: Problem, workers: Worke
     """
     judged = []
     for result in workers.share(partial(_judged, problem), contenders):
-        workers.tell(f"fitted {' and '.join(result.effects)}")
+        workers.tell(f"fitted {' and '.join(result.effects) or 'the law as it is'}")
         judged.append(result)
     return judged
 
