@@ -16,10 +16,11 @@ def judged(akaike, heldout):
 def test_what_only_steadies_is_told_so(monkeypatch):
     """It halves the error on left-out conditions, and the fit to all tests is hardly better with it."""
     monkeypatch.setattr("pipeclamp.show.diagnosis.simpler_words", lambda *_: ())
+    monkeypatch.setattr("pipeclamp.show.diagnosis.left_out_at_once", lambda loops: "A, f")
     law = judged(100.0, 0.07)
     for akaike, said in ((90.0, []), (100.5, [NO_GAIN])):
         candidate = judged(akaike, 0.03)
-        assert against(candidate, SimpleNamespace(law=law, candidates=[candidate], tolerance=1.0)) == said
+        assert against(candidate, SimpleNamespace(law=law, loops=None, candidates=[candidate], tolerance=1.0)) == said
 
 
 def test_what_takes_nothing_is_no_candidate_to_show(monkeypatch):
