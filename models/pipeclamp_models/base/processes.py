@@ -107,7 +107,8 @@ class Workers:
             saved = spent / max(done, 1) * left * (1 - 1 / processes)
             if processes > 1 and left > 1 and (self._begun or saved > BEGINNING_S):
                 self._begun = True
-                yield from spread(_sent(work), jobs[done:], min(processes, left))
+                # always as many: those of another number would be begun anew
+                yield from spread(_sent(work), jobs[done:], processes)
                 return
             begin = time.perf_counter()
             result = work(job)
