@@ -88,11 +88,9 @@ def candidates(
 
 
 def _each_roughly(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[RoughFit]:
-    rough = []
-    for each, fit in zip(contenders, workers.share(partial(_roughly, problem), contenders), strict=True):
-        workers.tell(f"fitted {' and '.join(each.effects)} roughly")
-        rough.append(fit)
-    return rough
+    return workers.each(
+        partial(_roughly, problem), contenders, lambda one: f"fitted {' and '.join(one.effects)} roughly"
+    )
 
 
 def _roughly(problem: Problem, one: Contender) -> RoughFit:
@@ -149,11 +147,8 @@ def each_larger_as_asked(
         problem: the data.
         workers: who does it, and who is told.
     """
-    grown = []
-    for each in workers.share(partial(larger_as_asked, structure, problem), judged):
-        workers.tell(f"fitted {' and '.join(each.effects)}")
-        grown.append(each)
-    return grown
+    work = partial(larger_as_asked, structure, problem)
+    return workers.each(work, judged, lambda one: f"asked {' and '.join(one.effects)} for larger members")
 
 
 def larger_as_asked(structure: Structure, problem: Problem, judged: Judged) -> Judged:

@@ -331,11 +331,11 @@ def judge_each(contenders: Sequence[Contender], problem: Problem, workers: Worke
     Returns:
         what came of each, in the same order.
     """
-    judged = []
-    for result in workers.share(partial(_judged, problem), contenders):
-        workers.tell(f"fitted {' and '.join(result.effects) or 'the law as it is'}")
-        judged.append(result)
-    return judged
+    return workers.each(
+        partial(_judged, problem),
+        contenders,
+        lambda one: f"fitted {' and '.join(one.effects) or 'the law as it is'}",
+    )
 
 
 def _judged(problem: Problem, one: Contender) -> Judged:

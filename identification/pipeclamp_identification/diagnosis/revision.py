@@ -182,17 +182,16 @@ def _swapped(asked: RevisedLaw, swaps: Sequence[_Swap], workers: Workers) -> lis
 
     Members of a family are as large as the tests ask for.
     """
-    rough: list[tuple[_Swap, RoughFit]] = []
-    for swap, fit in zip(swaps, workers.share(partial(_swapped_roughly, asked), swaps), strict=True):
-        workers.tell(f"fitted {swap.come} in place of {swap.gone} roughly")
-        if fit:
-            rough.append((swap, fit))
+    fits = workers.each(
+        partial(_swapped_roughly, asked), swaps, lambda swap: f"fitted {swap.come} in place of {swap.gone} roughly"
+    )
+    rough = [(swap, fit) for swap, fit in zip(swaps, fits, strict=True) if fit]
     rough.sort(key=lambda entry: entry[1].cost)
-    found: list[Judged] = []
-    for judged in workers.share(partial(_swapped_closely, asked), rough[:MOST_SWAPPED]):
-        workers.tell(f"fitted {' and '.join(judged.effects)} in its place")
-        found.append(judged)
-    return found
+    return workers.each(
+        partial(_swapped_closely, asked),
+        rough[:MOST_SWAPPED],
+        lambda entry: f"fitted {entry[0].come} in place of {entry[0].gone}",
+    )
 
 
 def _swapped_roughly(asked: RevisedLaw, swap: _Swap) -> RoughFit | None:
@@ -218,12 +217,8 @@ def _swapped_closely(asked: RevisedLaw, rough: tuple[_Swap, RoughFit]) -> Judged
 def _on_another_base(asked: RevisedLaw, workers: Workers) -> list[Judged]:
     own = asked.structure.base.partition(":")[0]
     bases = [name for name, entry in BASES.items() if entry.general and name != own]
-    found: list[Judged] = []
-    for base, judged in zip(bases, workers.share(partial(_judged_on, asked), bases), strict=True):
-        workers.tell(f"fitted the law on base {base}")
-        if judged:
-            found.append(judged)
-    return found
+    found = workers.each(partial(_judged_on, asked), bases, "fitted the law on base {}".format)
+    return [judged for judged in found if judged]
 
 
 def _judged_on(asked: RevisedLaw, base: str) -> Judged | None:

@@ -165,14 +165,11 @@ def screened(
     Raises:
         UserError: a declared effect can't be tried.
     """
-    promises = []
     loops = problem.loops
     names = candidate_names(structure, loops.conditions, time_measured=loops.time_measured)
     asked = names if ids is None else [name for name in names if effect_id(name) in ids]
-    for name, promise in zip(asked, workers.share(partial(_promise, structure, problem, law), asked), strict=True):
-        workers.tell(f"screened {name}")
-        if promise is not None:
-            promises.append(promise)
+    found = workers.each(partial(_promise, structure, problem, law), asked, "screened {}".format)
+    promises = [promise for promise in found if promise is not None]
     return sorted(promises, key=lambda promise: -promise.gain)
 
 

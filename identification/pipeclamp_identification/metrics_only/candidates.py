@@ -121,21 +121,17 @@ def _from_another_valley(
 
 
 def _looks(law: MetricJudged, names: Sequence[str], observations: MetricObservations, workers: Workers) -> list[Look]:
-    looks = []
-    for found in workers.share(partial(look, law, observations), names):
-        workers.tell(f"looked at {found.name}")
-        looks.append(found)
-    return looks
+    return workers.each(partial(look, law, observations), names, "looked at {}".format)
 
 
 def _with_each(
     law: MetricJudged, entries: Sequence[Look], observations: MetricObservations, workers: Workers, *, thoroughly: bool
 ) -> list[MetricJudged]:
-    fitted = []
-    for judged in workers.share(partial(_with, law, observations, thoroughly), entries):
-        workers.tell(f"fitted {' + '.join(judged.effects)}")
-        fitted.append(judged)
-    return fitted
+    return workers.each(
+        partial(_with, law, observations, thoroughly),
+        entries,
+        lambda entry: f"fitted {' + '.join((*law.effects, entry.name))}",
+    )
 
 
 def _with(law: MetricJudged, observations: MetricObservations, thoroughly: bool, entry: Look) -> MetricJudged:

@@ -48,11 +48,11 @@ def metric_pairs(
         for second, firsts in after_one_step.items()
         for _, first in sorted(firsts, key=lambda entry: entry[0])[:MOST_FIRST]
     ]
-    found = []
-    for judged in workers.share(partial(_fitted_together, law, observations), asked):
-        workers.tell(f"fitted {' and '.join(judged.effects)}")
-        found.append(judged)
-    return found
+    return workers.each(
+        partial(_fitted_together, law, observations),
+        asked,
+        lambda two: f"fitted {' and '.join((*two[0].effects, two[1]))}",
+    )
 
 
 def _fitted_together(

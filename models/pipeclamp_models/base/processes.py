@@ -93,6 +93,19 @@ class Workers:
     _begun: bool = field(default=False, init=False, repr=False)
     """Whether others were begun: they stay for what comes next."""
 
+    def each(self, work: Callable[[Job], Result], jobs: Sequence[Job], words: Callable[[Job], str]) -> list[Result]:
+        """Give the result of each job, in order, and tell which is done.
+
+        Args:
+            work, jobs: as for `share`.
+            words: say what was done in a job.
+        """
+        found = []
+        for job, result in zip(jobs, self.share(work, jobs), strict=True):
+            self.tell(words(job))
+            found.append(result)
+        return found
+
     def share(self, work: Callable[[Job], Result], jobs: Sequence[Job]) -> Iterator[Result]:
         """Give the result of each job, in order: by this process until what is left is worth others, then by those.
 
