@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import campaign_plan_answer
 from pipeclamp_identification.planning.telling import NAMED
@@ -85,7 +85,7 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
             f"{', '.join(scene.not_reckoned)}."
         )
     asked, times = plan.asked, plan.asked.times
-    limits = plan.limits if plan.timed else plan.limits.with_range("f", Limits().frequency)
+    limits = plan.limits if plan.timed else plan.limits.untimed
     lines.append(
         f"Reckoned with the base of law {plan.law}, {asked.noise_N:g} N rms noise of the force at {asked.rate:g} "
         f"samples a second, {asked.scatter:.2%} scatter from run to run, {times.heating:g} K a minute, "

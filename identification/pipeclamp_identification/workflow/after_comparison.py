@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from pipeclamp_identification.comparison.compare import Comparison
@@ -38,7 +36,7 @@ def after_comparison(law: str, tests: str, held: Held) -> str:
 
 def _plan_line(law: str, reach: Limits, held: Comparison) -> str:
     """Give the line that plans tests within this reach; frequencies mean nothing where no time was measured."""
-    stated = reach if held.campaign.time_measured else replace(reach, frequency=Limits().frequency)
+    stated = reach if held.campaign.time_measured else reach.untimed
     return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(stated))
 
 

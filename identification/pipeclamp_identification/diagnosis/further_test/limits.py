@@ -51,6 +51,11 @@ class Limits:
         found: Range = getattr(self, RANGES[symbol])
         return found
 
+    @property
+    def untimed(self) -> Limits:
+        """The limits but for those that mean nothing where no time was measured."""
+        return replace(self, frequency=(0.0, math.inf), velocity=math.inf)
+
     def with_range(self, symbol: str, ends: Range) -> Limits:
         """Give the limits with another range of A, f or T."""
         return Limits(**{**vars(self), RANGES[symbol]: ends})
@@ -161,7 +166,7 @@ def reach_around(
     stated = stated or Limits()
     if not timed:
         middle = math.sqrt(f[0] * f[1])
-        f, stated = (middle, middle), replace(stated, frequency=(middle, middle), velocity=math.inf)
+        f, stated = (middle, middle), replace(stated.untimed, frequency=(middle, middle))
     return replace(
         stated,
         amplitude=_closed(stated.amplitude, (REACH_A[0] * A[0], REACH_A[1] * A[1]), 0.0),
