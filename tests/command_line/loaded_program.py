@@ -16,7 +16,7 @@ import signal
 import sys
 
 PACKAGES = ("pipeclamp_models", "pipeclamp_fmu", "pipeclamp_system", "pipeclamp_identification", "pipeclamp")
-LOADED_LATE = ("control", "pint")
+LOADED_LATE = ("control", "pint", "rich.console", "rich.table")
 """Libraries that functions load, and that take long to."""
 
 

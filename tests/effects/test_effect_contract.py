@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations import literature, symbols
 from pipeclamp_models.equations.effect import Effect, Family
@@ -293,10 +294,40 @@ def test_derivatives_are_exact(structure):
         assert np.max(np.abs(exact[index] - numeric)) < 2e-5 * np.max(np.abs(numeric)) + rounding, name
 
 
-@pytest.mark.parametrize("name", [name for name in ON_A_BASE if name != "play"])
+WITH_MEMORY = [name for name in ON_A_BASE if WITH_DECLARED.effect(name).states]
+
+
+@pytest.mark.parametrize("name", [name for name in WITH_MEMORY if name != "play"])
 def test_derivatives_have_values_behind_a_play(name):
     """Where a clearance stands open, the clamp behind it stands still."""
-    structure = on_a_bare_law(name, "play")
+    require_values_at_rest(on_a_bare_law(name, "play"))
+
+
+def test_derivatives_of_effects_without_memory_have_values_behind_a_play():
+    """As many in one law as go together: what has no value, no other term takes away."""
+    together = []
+    for name in ON_A_BASE:
+        if name not in WITH_MEMORY:
+            group = next((group for group in together if go_together(*group, name)), None)
+            if group is None:
+                together.append([name])
+            else:
+                group.append(name)
+    for group in together:
+        require_values_at_rest(on_a_bare_law(*group, "play"))
+
+
+def go_together(*names):
+    """Tell whether effects can be in one law."""
+    try:
+        on_a_bare_law(*names, "play").refuse_misfits()
+    except UserError:
+        return False
+    return True
+
+
+def require_values_at_rest(structure):
+    """Require a force and its derivatives where the law stands still, and where it moves."""
     values = sound_values(structure)
     vector = [values[name] for name in structure.equations.names]
     motion = sines([0.02, 0.5, 1.0], [0.2, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)

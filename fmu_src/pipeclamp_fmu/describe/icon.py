@@ -24,12 +24,16 @@ def loop_icon(across: Sequence[float], up: Sequence[float]) -> bytes:
     placed = MARGIN + (SIZE - 2 * MARGIN) * (points - low) / np.where(high > low, high - low, 1.0)
     placed[:, 1] = SIZE - placed[:, 1]
     begins, steps = placed, np.roll(placed, -1, axis=0) - placed
-    pixels = np.stack(np.meshgrid(np.arange(SIZE) + 0.5, np.arange(SIZE) + 0.5), axis=-1).reshape(-1, 2)
-    nearest = np.full(len(pixels), np.inf)
+    middles = np.arange(SIZE) + 0.5
+    nearest = np.full((SIZE, SIZE), np.inf)
     for begin, step in zip(begins, steps, strict=True):
-        along = np.clip((pixels - begin) @ step / max(float(step @ step), 1e-12), 0.0, 1.0)
-        nearest = np.minimum(nearest, np.hypot(*(pixels - begin - along[:, None] * step).T))
-    cover = np.clip(WIDTH / 2 + 0.5 - nearest, 0.0, 1.0)[:, None]
+        # A line reaches no pixel farther off than its own width.
+        (left, top), (right, bottom) = (np.sort([begin, begin + step], axis=0) + [[-WIDTH], [WIDTH]]).astype(int)
+        near = slice(top, bottom + 1), slice(left, right + 1)
+        x, y = middles[near[1]] - begin[0], middles[near[0], None] - begin[1]
+        along = np.clip((x * step[0] + y * step[1]) / max(float(step @ step), 1e-12), 0.0, 1.0)
+        nearest[near] = np.minimum(nearest[near], np.hypot(x - along * step[0], y - along * step[1]))
+    cover = np.clip(WIDTH / 2 + 0.5 - nearest, 0.0, 1.0)[..., None]
     image = (cover * LINE + (1 - cover) * GROUND).round().astype(np.uint8).reshape(SIZE, SIZE * 3)
     rows = b"".join(b"\0" + row.tobytes() for row in image)
     header = struct.pack(">IIBBBBB", SIZE, SIZE, 8, 2, 0, 0, 0)

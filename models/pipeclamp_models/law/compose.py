@@ -11,6 +11,7 @@ import sympy as sp
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
+from pipeclamp_models.equations.replacing import replaced
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.series import Path, behind
 
@@ -93,7 +94,7 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
     in_series = {symbols.x: next((each.replaces[symbols.x] for each in _replacing(symbols.x, effects)), symbols.y)}
 
     def whole(expression: sp.Expr) -> sp.Expr:
-        return expression.xreplace(fast_factors).xreplace(in_series)
+        return replaced(replaced(expression, fast_factors), in_series)
 
     def path(some: Iterable[Effect]) -> Path:
         terms = list(some)
@@ -122,10 +123,10 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
         effects=effects,
         parameters=parameters,
         coefficients=tuple(coefficients),
-        force=force.xreplace(held),
-        states=tuple(replace(state, update=state.update.xreplace(held)) for state in states),
-        stages=tuple(replace(stage, expression=stage.expression.xreplace(held)) for stage in stages),
-        energy=energy.xreplace(held),
+        force=replaced(force, held),
+        states=tuple(replace(state, update=replaced(state.update, held)) for state in states),
+        stages=tuple(replace(stage, expression=replaced(stage.expression, held)) for stage in stages),
+        energy=replaced(energy, held),
         lag=sp.Add(*(effect.lag for effect in effects)),
     )
 

@@ -9,6 +9,7 @@ import sympy as sp
 
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Effect, Stage, State
+from pipeclamp_models.equations.replacing import replaced
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ def behind(effect: Effect, path: Path) -> Path:
         effect: replaces `y`, and `v` where it has to.
         path: what stands behind it, as if nothing stood before it.
     """
-    stood = effect.replaces[symbols.y].xreplace({symbols.y: symbols.y_previous})
+    stood = replaced(effect.replaces[symbols.y], {symbols.y: symbols.y_previous})
     stages: list[Stage] = []
 
     def moved_to(place: sp.Expr, velocity: sp.Expr, rounded: sp.Expr) -> sp.Symbol:
@@ -44,7 +45,7 @@ def behind(effect: Effect, path: Path) -> Path:
         there = {symbols.y: place, symbols.y_previous: stood, symbols.v: velocity, symbols.v_r: rounded}
         copies = {stage.symbol: sp.Symbol(f"{stage.symbol}{end}", real=True) for stage in path.stages}
         stages.extend(_moved(path.stages, {**copies, **there}))
-        after = path.force.xreplace({state.symbol: state.update for state in path.states}).xreplace(copies | there)
+        after = replaced(replaced(path.force, {state.symbol: state.update for state in path.states}), copies | there)
         found = sp.Symbol(f"{symbols.F_moved}{end}", real=True)
         stages.append(Stage(found, "N", "force of all behind it at a place", after))
         return found
@@ -55,13 +56,13 @@ def behind(effect: Effect, path: Path) -> Path:
     own = {state.symbol: sp.Symbol(f"{state.symbol}_after_", real=True) for state in effect.states}
     stages += [Stage(own[state.symbol], state.unit, state.meaning, state.update) for state in effect.states]
     moved = {signal: effect.replaces.get(signal, signal) for signal in (symbols.y, symbols.v)}
-    in_step = {signal: place.xreplace(own) for signal, place in moved.items()} | {symbols.y_previous: stood}
+    in_step = {signal: replaced(place, own) for signal, place in moved.items()} | {symbols.y_previous: stood}
     return Path(
-        force=effect.passes.xreplace({symbols.F_path: path.force.xreplace(moved)}),
-        energy=path.energy.xreplace(moved),
+        force=replaced(effect.passes, {symbols.F_path: replaced(path.force, moved)}),
+        energy=replaced(path.energy, moved),
         states=(
             *(replace(state, update=own[state.symbol]) for state in effect.states),
-            *(replace(state, update=state.update.xreplace(in_step)) for state in path.states),
+            *(replace(state, update=replaced(state.update, in_step)) for state in path.states),
         ),
         stages=(*stages, *_moved(path.stages, in_step)),
     )
@@ -70,6 +71,6 @@ def behind(effect: Effect, path: Path) -> Path:
 def _moved(stages: tuple[Stage, ...], by: Mapping[sp.Symbol, sp.Expr]) -> list[Stage]:
     """Give stages in other symbols, their own among them where these are replaced."""
     return [
-        replace(stage, symbol=by.get(stage.symbol, stage.symbol), expression=stage.expression.xreplace(by))
+        replace(stage, symbol=by.get(stage.symbol, stage.symbol), expression=replaced(stage.expression, by))
         for stage in stages
     ]

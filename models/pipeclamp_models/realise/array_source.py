@@ -12,6 +12,7 @@ from sympy.printing.numpy import NumPyPrinter
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.replacing import replaced
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.bounded import bounded
 from pipeclamp_models.realise.llvm import slopes_source, turn_source, walk_source
@@ -269,7 +270,7 @@ def _source(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr], befo
 
     def common_parts(whole: Sequence[sp.Expr]) -> tuple[list[Definition], Sequence[sp.Expr]]:
         parts, reduced = in_order([(symbol, exact(expression)) for symbol, expression in before], whole)
-        return [(symbol, part.xreplace(named)) for symbol, part in parts], [part.xreplace(named) for part in reduced]
+        return [(symbol, replaced(part, named)) for symbol, part in parts], [replaced(part, named) for part in reduced]
 
     function = sp.lambdify(
         list(named.values()),

@@ -11,6 +11,7 @@ from sympy.printing.c import C99CodePrinter
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.replacing import replaced
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.bounded import bounded
@@ -152,8 +153,8 @@ def _coefficients(law: Stepping, names: _LawNames) -> list[str]:
         "static void law_coefficients(const double p[], const double u[], double k[])",
         (names.p, names.u),
         [
-            _assigned(names.c, {symbol: value.xreplace(of) for symbol, value in law.coefficients}),
-            ([f"k[{index}]" for index in range(len(law.held))], [value.xreplace(of) for _, value in law.held]),
+            _assigned(names.c, {symbol: replaced(value, of) for symbol, value in law.coefficients}),
+            ([f"k[{index}]" for index in range(len(law.held))], [replaced(value, of) for _, value in law.held]),
         ],
         unused=("p", "u", "k"),
     )
@@ -169,9 +170,9 @@ def _step(law: Stepping, names: _LawNames) -> list[str]:
         (names.k, names.z),
         [
             *_one_by_one(law.stages, of),
-            _assigned(names.new, {symbol: value.xreplace(of) for symbol, value in updates}),
+            _assigned(names.new, {symbol: replaced(value, of) for symbol, value in updates}),
             ([f"z_new[{index}]" for index in range(len(law.after))], list(names.new.locals().values())),
-            (["result[0]", "result[1]"], [value.xreplace(of) for value in (law.force, law.energy)]),
+            (["result[0]", "result[1]"], [replaced(value, of) for value in (law.force, law.energy)]),
         ],
         unused=("k", "z", "y_previous", "v", "h", "z_new"),
     )
@@ -183,7 +184,7 @@ def _slopes(law: Stepping, names: _LawNames) -> list[str]:
     used = set().union(*(slope.free_symbols for slope in (*slopes, *(value for _, value in way))))
     of_slopes = names.of_conditions | names.z.locals() | Names("s", tuple(symbol for symbol, _ in way)).locals()
     coefficients = {
-        entry.symbol: exact(entry.expression).xreplace(names.of_conditions)
+        entry.symbol: replaced(exact(entry.expression), names.of_conditions)
         for entry in law.equations.coefficients
         if entry.symbol in used
     }
@@ -194,7 +195,7 @@ def _slopes(law: Stepping, names: _LawNames) -> list[str]:
         [
             _assigned(names.c, coefficients),
             *_one_by_one(way, of_slopes),
-            ([f"slope[{index}]" for index in range(len(slopes))], [one.xreplace(of_slopes) for one in slopes]),
+            ([f"slope[{index}]" for index in range(len(slopes))], [replaced(one, of_slopes) for one in slopes]),
         ],
         unused=("p", "u", "z", "y_previous", "y", "v", "h"),
     )
@@ -210,7 +211,7 @@ def _assigned(names: Names, expressions: Mapping[sp.Symbol, sp.Expr]) -> Block:
 
 def _one_by_one(definitions: Iterable[Definition], names: Mapping[sp.Symbol, sp.Symbol]) -> list[Block]:
     """Give definitions as blocks of their own, for each may use those before it."""
-    return [([f"const double {names[symbol]}"], [value.xreplace(names)]) for symbol, value in definitions]
+    return [([f"const double {names[symbol]}"], [replaced(value, names)]) for symbol, value in definitions]
 
 
 def total_slopes(equations: Composed, by: Iterable[sp.Symbol]) -> tuple[list[Definition], list[sp.Expr]]:
@@ -228,7 +229,7 @@ def total_slopes(equations: Composed, by: Iterable[sp.Symbol]) -> tuple[list[Def
     after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
     steps = [(stage.symbol, exact(stage.expression)) for stage in equations.stages]
     steps += [(after[state.symbol], exact(state.update)) for state in equations.states]
-    results = [exact(expression).xreplace(after) for expression in (equations.force, equations.energy)]
+    results = [replaced(exact(expression), after) for expression in (equations.force, equations.energy)]
     coefficients = {entry.symbol: exact(entry.expression) for entry in equations.coefficients}
     way, through = slopes_through(steps, [*signals, *coefficients])
 

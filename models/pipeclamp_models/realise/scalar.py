@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import sympy as sp
 from sympy.printing.pycode import PythonCodePrinter
 
+from pipeclamp_models.equations.replacing import replaced
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.bounded import bounded
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of, parameter_symbols, stepping
@@ -55,12 +56,12 @@ def _guarded(parts: Parts, reduced: Sequence[sp.Expr]) -> tuple[Parts, Sequence[
     kept: list[tuple[sp.Symbol, sp.Expr]] = []
     back: dict[sp.Symbol, sp.Expr] = {}
     for symbol, part in parts:
-        whole = part.xreplace(back)
+        whole = replaced(part, back)
         if symbol not in needed and whole.has(sp.Pow, sp.exp, sp.log):
             back[symbol] = whole
         else:
             kept.append((symbol, whole))
-    return kept, [expression.xreplace(back) for expression in reduced]
+    return kept, [replaced(expression, back) for expression in reduced]
 
 
 def _unconditional(expression: sp.Expr) -> set[sp.Symbol]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.replacing import rebuilt, replaced
 from pipeclamp_models.law.compose import FAST_SYMBOLS, Composed
 from pipeclamp_models.law.law import Equations, Structure
 
@@ -59,7 +60,7 @@ def stepping(structure: Structure) -> Stepping:
     # Names of our own begin or end with an underscore, which no effect's symbol does.
     after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
     within = [exact(expression) for expression in equations.within_steps]
-    results = [exact(expression).xreplace(after) for expression in (equations.force, equations.energy)]
+    results = [replaced(exact(expression), after) for expression in (equations.force, equations.energy)]
     names = [stage.symbol for stage in equations.stages]
     moving = FAST_SYMBOLS | after.keys() | set(after.values()) | set(names)
     held, (*within, force, energy) = held_apart([*within, *results], moving)
@@ -74,7 +75,7 @@ def stepping(structure: Structure) -> Stepping:
 
 def exact(expression: sp.Expr) -> sp.Expr:
     """Put in the reference values, without loss; whole numbers stay whole, so that factors of 1 vanish."""
-    return sp.sympify(expression).xreplace(REFERENCES)
+    return replaced(sp.sympify(expression), REFERENCES)
 
 
 REFERENCES = {
@@ -116,7 +117,7 @@ def held_apart(
             if len(together) > 1:
                 rest = [argument for argument in arguments if argument.free_symbols & moving]
                 return part.func(held(part.func(*together)), *(split(argument, guarded) for argument in rest))
-        return part.func(*(split(argument, inside) for argument in arguments)) if arguments else part
+        return rebuilt(part, [split(argument, inside) for argument in arguments]) if arguments else part
 
     reduced = [split(expression, False) for expression in expressions]
     return [(symbol, part) for part, symbol in found.items()], reduced
