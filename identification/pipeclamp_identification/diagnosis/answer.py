@@ -50,6 +50,10 @@ class RungAnswer(AnswerModel):
         description="error on left-out groups of A and f before, of fits without them, as a law's history has it"
     )
     heldout_after: float = Field(description="the same after")
+    rivals: tuple[str, ...] = Field(
+        (), description="what might as well have been added in its place, best first: of these it was ambiguous"
+    )
+    next_test: str | None = Field(None, description="the test that would tell them apart, or why there is none")
 
 
 class RemainsAnswer(AnswerModel):
