@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.importing.records.planner import plan_import
 from pipeclamp_identification.importing.samples.untimed import cycles_of, shares_before
+from pipeclamp_identification.importing.stated import stated_options
 
 STIFFNESS, FRICTION = 900.0, 150.0
 
@@ -41,6 +45,18 @@ def test_steps_of_a_program_lose_none_of_their_cycles(tmp_path):
         assert np.ptp(run.record.displacement_mm) / 2 == pytest.approx(a, rel=1e-6)
 
 
+def test_where_runs_lie_is_drawn_side_by_side(tmp_path):
+    """The points that runs share lie between the rows that they are of."""
+    program = [(n, [0.0, a, -a, a, -a][n > 0 :]) for n, a in enumerate((0.5, 1.0, 1.5))]
+    imported(tmp_path, corners(*program))
+    stated = stated_options("segment=Block", "", None, "none", leave_out=lambda files: False)
+    (tmp_path / "r").mkdir()
+    (drawn,) = plan_import([tmp_path / "a.csv"], stated, tmp_path / "r").overviews
+    assert np.all(np.diff(drawn.time) >= 0)
+    spans = [one[1:] for one in drawn.runs]
+    assert all(first[1] <= second[0] for first, second in itertools.pairwise(spans))
+
+
 def test_a_cycle_ends_where_the_next_one_was_measured_to_begin(tmp_path):
     """Not at the force that it began with: the first cycle begins unloaded, and comes back under friction."""
     program = [(n, [0.0, a, 0.2 * a, -a, -0.5 * a]) for n, a in enumerate((1.0, 1.1, 1.2, 1.3))]
@@ -70,7 +86,7 @@ def test_conditions_are_those_of_a_runs_own_samples(tmp_path):
 
 def test_a_step_is_shared_where_the_loop_before_it_closes():
     y = np.array([0.0, 1, -1, 2, -2, 3])
-    assert shares_before(y, y, (0, 3, 5, 6)) == pytest.approx([1 / 3, 2 / 5])
+    assert shares_before(y, y, (0, 3, 5, 6)) == pytest.approx([1 / 3, 2 / 5], rel=1e-5)
     # ended where it began, away from it, not yet there; a blank beside it
     for ends, share in [((0.0, 2.0), 0.0), ((0.5, 2.0), 0.0), ((-1.0, -0.5), 1.0), ((-1.0, np.nan), np.nan)]:
         curve = np.array([0.0, 1, -1, *ends])

@@ -61,6 +61,9 @@ def test_an_addition_at_four_settings_is_not_called_worse(tmp_path, currents, fe
     if few:
         assert after.refitted_nrmse > before.refitted_nrmse and after.nrmse < before.nrmse / 2
         assert "got worse" not in str(law) and "can't tell whether condition:current_A helps" in str(law)
+        law.report(tmp_path / "law.html")  # a law with a further condition had no page, but a traceback
+        page = (tmp_path / "law.html").read_text(encoding="utf-8")
+        assert "can&#39;t tell whether condition:current_A helps" in page and '"text":"current_A"' in page
 
 
 @pytest.mark.parametrize(

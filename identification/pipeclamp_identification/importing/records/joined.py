@@ -27,11 +27,13 @@ class PieceRows:
         channels: with a sample more at either end where there is such a point.
         begin: rows of the table before the first of them, or before the one that its first point lies behind.
         cycles_before: that the specimen surely had before.
+        places: of each sample in the table, between two where it is such a point; None where all are the table's own.
     """
 
     channels: tuple[Channel, ...]
     begin: int
     cycles_before: float = 0.0
+    places: Array | None = None
 
 
 def rows_apart(channels: Sequence[Channel], begins: Sequence[int]) -> Iterator[PieceRows]:
@@ -62,7 +64,8 @@ def joined_rows(
         )
         if np.isnan(own):
             cycles = 0.0
-        yield PieceRows(rows, first - int(own < 1), cycles)
+        places = _with_ends(np.arange(len(y), dtype=np.float64), first, last, own, following, True)
+        yield PieceRows(rows, first - int(own < 1), cycles, places)
         motion = first_motion(RawTable(table.name, rows), columns, None)
         cycles += cycles_of(motion[np.isfinite(motion)])
 

@@ -43,6 +43,7 @@ class Piece:
         table: these rows of it.
         begin: rows before them.
         cycles_before: that its specimen surely had before, where its time wasn't measured.
+        places: of its samples in the table, where some lie between two of its rows; None where none does.
         label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
         timed: whether its time was measured.
@@ -56,6 +57,7 @@ class Piece:
     timed: bool
     begin: int
     cycles_before: float
+    places: Array | None
     label: str
     record: Path
     format: Format
@@ -73,6 +75,8 @@ def take_piece(piece: Piece) -> TakenPart | UserError:
 
 def _taken_piece(piece: Piece) -> TakenPart:
     trace = trace_of(piece.where, piece.table, piece.columns, piece.rate, piece.begin)
+    if piece.places is not None and piece.rate:
+        trace = replace(trace, record=replace(trace.record, time_s=piece.places / piece.rate))
     y = trace.motion
     if np.count_nonzero(np.isfinite(y)) < 2:
         rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1

@@ -179,6 +179,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
             timed=timed_here,
             begin=rows.begin,
             cycles_before=rows.cycles_before,
+            places=rows.places,
             label=label.of(np.arange(first, last)[finite[first:last]]) if label else "",
             record=record.with_name(f"{record.name}_{number:05d}"),
             format=way.format,

@@ -26,6 +26,8 @@ TURN = 0.1
 """Share of the whole way from which on a way back is a turn of such a curve."""
 FEWEST_TURNS = 4
 """The first sample, two turns and the last one: the way between two turns tells how far the others went."""
+SHARE_DIGITS = 6
+"""Of a share of a step."""
 UNLOADED = 0.01
 """Share of the largest displacement, and of the largest force, within which a piece begins unloaded."""
 
@@ -98,7 +100,8 @@ def shares_before(y: Array, force: Array, bounds: Sequence[int]) -> Array:
         is_known = bool(np.all(np.isfinite([step, lacking, force[first] - force[first - 1]])))
         began = y[first]
         if is_known and (abs(y[first]) > unloaded[0] or abs(force[first]) > unloaded[1]):
-            found[place] = min(max(lacking / step, 0.0), 1.0) if step else 0.0
+            # a trifle of the step would be a sample in the place of another
+            found[place] = round(min(max(lacking / step, 0.0), 1.0), SHARE_DIGITS) if step else 0.0
             began = y[first - 1] + found[place] * step
     return found
 
