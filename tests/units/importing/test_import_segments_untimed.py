@@ -69,7 +69,7 @@ def test_a_run_that_begins_unloaded_or_under_another_name_begins_anew(tmp_path):
     cycle = [0.0, 0.6, 1.0, 0.2, -1.0, -0.5, 0.3, 1.0, -1.0, -0.4]
     rows = corners((1, cycle), (2, [0.1, *cycle[1:]]))
     rows += [(3, y, force) for _, y, force in corners((3, cycle))]
-    rows = [(block, y, force, "AAB"[block - 1]) for block, y, force in rows]
+    rows = [(block, y, force, ("", "", "B")[block - 1]) for block, y, force in rows]
     rows += [(4, y, force, "C") for _, y, force in corners((4, cycle))[2:]]
     runs = imported(tmp_path, rows, names="Block,Displacement [mm],Force [N],Specimen")
     before = [run.setup.first_cycle for run in runs]

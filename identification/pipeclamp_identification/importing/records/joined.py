@@ -74,9 +74,14 @@ def _of_one_specimen(table: RawTable, shares: Array, begins: Sequence[int]) -> l
     """Give the shares, nan where the piece is of another specimen than the one before it."""
     named = [one.values for one in (*table.channels, *table.labels) if names_specimen(one.name)]
     return [
-        np.nan if any(values[first] != values[first - 1] for values in named) else float(share)
+        float(share) if all(_is_same(*values[first - 1 : first + 1]) for values in named) else np.nan
         for first, share in zip(begins[1:-1], shares, strict=True)
     ]
+
+
+def _is_same(before: float, after: float) -> bool:
+    """Tell whether two cells are the same; blanks are."""
+    return before == after or bool(np.isnan(before) and np.isnan(after))
 
 
 def _with_ends(values: Array, first: int, last: int, own: float, following: float, moves: bool) -> Array:
