@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from exports import loop
 
+import pipeclamp as pc
 from pipeclamp.pages.page import write_report
 from pipeclamp.pages.sections import comparison_page, diagnosis_page
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.law.file import Provenance
@@ -153,3 +157,16 @@ def test_the_turns_of_a_loop_are_seen_whole(pages, page):
     }""")
     (low, high), (first, last) = ends
     assert low < first - 0.01 * (last - first) and high > last + 0.01 * (last - first)
+
+
+@pytest.mark.parametrize(("cycles", "shown"), [(1, "error"), (2, "error over scatter")])
+def test_what_the_map_shows_is_over_scatter_only_where_cycles_show_any(page, tmp_path, cycles, shown):
+    runs = [
+        WrittenRun({"run": f"A{one.amplitude}_f{one.frequency:g}"}, Record(one.time, one.y, one.force))
+        for one in (loop(a, f, cycles=cycles) for a in (0.3, 0.6, 0.9) for f in (1.0, 2.0))
+    ]
+    write_campaign(tmp_path / "c", iter(runs), name="c", notes="")
+    tests = pc.read_campaign(tmp_path / "c")
+    pc.compare(pc.identify(tests), tests).report(tmp_path / "compare.html")
+    open_page(page, tmp_path / "compare.html")
+    assert page.get_by_label(shown, exact=True).is_checked()

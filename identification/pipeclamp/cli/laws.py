@@ -290,7 +290,7 @@ def diagnose(
         from pipeclamp.pages.sections import diagnosis_page
 
         title, about = f"Diagnosis of {file.name}", f"against {tests.name}"
-        write_report(report, title, about, diagnosis_page(file, found, following), command_called())
+        write_report(report, title, about, diagnosis_page(file, found, following, ladder), command_called())
     if drive and found.proposal:
         write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
     if auto:

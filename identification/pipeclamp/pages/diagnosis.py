@@ -28,7 +28,7 @@ SKETCHED = 4
 def diagnosis_answer(answer: RecordDiagnosed) -> Section:
     """Give the first section of a diagnosis: its verdict, and why."""
     words = [answer.headline(), *before_physics(answer)]
-    reasons = (*answer.diagnosis.reasons, *answer.untested(), *answer.cautions(), *answer.farthest_off())
+    reasons = (*answer.reasons(), *answer.untested(), *answer.cautions(), *answer.farthest_off())
     words += [sentence(word) for word in reasons]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")
@@ -107,9 +107,8 @@ def _left_over_sentences(answer: RecordDiagnosed) -> list[str]:
     diagnosis = answer.diagnosis
     if answer.verdict == "complete" and not diagnosis.is_adequate(diagnosis.law):
         lack = diagnosis.law.lack
-        return [
-            f"{newtons(lack.rms)} that follow the conditions, {lack.share:.2g} times the noise: see the answer above."
-        ]
+        times = f"{lack.share:.2g} times {answer.noise_name}"
+        return [f"{newtons(lack.rms)} that follow the conditions, {times}: see the answer above."]
     return ["Nothing that follows the conditions." if answer.verdict == "complete" else "See the answer above."]
 
 

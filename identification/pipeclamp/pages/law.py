@@ -12,9 +12,9 @@ from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import curves_picture, surface_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.signals import REFERENCES
+from pipeclamp_models.base.signals import REFERENCES, condition_signal
 from pipeclamp_models.base.units import unit_shown
-from pipeclamp_models.equations.symbols import FIXED
+from pipeclamp_models.equations.symbols import FIXED, SLOW
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
@@ -53,15 +53,17 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
     """Draw each coefficient over each pair of conditions it depends on, the others at the middle of the range."""
     equations = law.equations
     compiled = realise(equations)
+    own = {str(signal.symbol) for signal in SLOW}
+    # a further column has a signal of another name
+    columns = {name if name in own else condition_signal(name): name for name in file.range}
+    known = {name: file.range[columns[name]] for name in compiled.slow if name in columns}
     ranges = {
-        name: np.linspace(file.range[name].minimum, file.range[name].maximum, POINTS_PER_AXIS)
-        for name in compiled.slow
-        if name in file.range and file.range[name].maximum > file.range[name].minimum
+        name: np.linspace(interval.minimum, interval.maximum, POINTS_PER_AXIS)
+        for name, interval in known.items()
+        if interval.maximum > interval.minimum
     }
     unknown = {} if "T" in file.range else {"T": float(REFERENCES["T_0"])}
-    middle = unknown | {
-        name: (file.range[name].minimum + file.range[name].maximum) / 2 for name in compiled.slow if name in file.range
-    }
+    middle = unknown | {name: (interval.minimum + interval.maximum) / 2 for name, interval in known.items()}
     values = [law.values[name] for name in equations.names]
 
     def level(index: int, along: dict[str, Array]) -> Array:
@@ -72,9 +74,10 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
     figures = []
     for index, coefficient in enumerate(equations.composed.coefficients):
         free = {str(symbol) for symbol in coefficient.expression.free_symbols}
-        varied = [name for name in ranges if name in free]
+        # a further condition is a coefficient of its own: over itself it says nothing
+        varied = [name for name in ranges if name in free and not coefficient.expression.is_Symbol]
         label = f"{coefficient.symbol} / {unit_shown(coefficient.unit)}"
-        axes = {name: f"{name} / {unit_shown(file.range[name].unit)}" for name in varied}
+        axes = {name: f"{name} / {unit_shown(known[name].unit)}" if name in own else columns[name] for name in varied}
         for x, y in itertools.combinations(varied, 2):
             surface = level(index, {x: ranges[x][None, :], y: ranges[y][:, None]})
             title = f"{coefficient.symbol}({x}, {y})"

@@ -21,9 +21,11 @@ from pipeclamp.show.views import known_scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import laws_held, least_error, stages_held
 from pipeclamp_identification.comparison.names import labels_of
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.law import MetricComparison
+from pipeclamp_identification.workflow.climb import Rung
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Diagnosed, Held, Tests
@@ -124,13 +126,14 @@ def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:
     return f"{len(files)} laws against {tests}", "; ".join(labels_of(files))
 
 
-def diagnosis_page(file: LawFile, found: Diagnosed, next_command: str) -> list[Section]:
+def diagnosis_page(file: LawFile, found: Diagnosed, next_command: str, ladder: Sequence[Rung] = ()) -> list[Section]:
     """Give the page of a diagnosis, with the command to run next below its verdict.
 
     Args:
         file: the law.
         found: the diagnosis.
         next_command: the shell line to run next.
+        ladder: what --auto did before it.
     """
     parts = _diagnosed(found)
     how_much, *where = _answer(parts.held)
@@ -142,7 +145,13 @@ def diagnosis_page(file: LawFile, found: Diagnosed, next_command: str) -> list[S
         # what is left over is the first thing to look at
         answer, difference = replace(answer, explorer=difference[0].explorer), []
     places = [Section("Where", where)] if where else []
-    return [answer, *difference, *parts.evidence, *places, *_details(parts.held)]
+    rungs = [Section("Rungs", rung_words(ladder))] if ladder else []
+    return [answer, *rungs, *difference, *parts.evidence, *places, *_details(parts.held)]
+
+
+def rung_words(ladder: Sequence[Rung]) -> list[str]:
+    """Say of each rung of a ladder what it did to the error, and what to mind of it."""
+    return [" ".join(map(sentence, (f"{number}: {rung.said()}", *rung.words))) for number, rung in enumerate(ladder, 1)]
 
 
 def law_page(file: LawFile, held: Held) -> list[Section]:

@@ -29,21 +29,24 @@ def diagnosis_view(found: object, ladder: Sequence[Rung], next_command: str, dri
 
 @diagnosis_view.register
 def _(found: RecordDiagnosed, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
-    return diagnosis.diagnosis_view(found, _rungs(ladder), next_command, drive)
+    return diagnosis.diagnosis_view(found, rungs_told(ladder), next_command, drive)
 
 
 @diagnosis_view.register
 def _(found: MetricDiagnosed, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
-    return metric_diagnosis.metric_diagnosis_view(found, _rungs(ladder), next_command, drive)
+    return metric_diagnosis.metric_diagnosis_view(found, rungs_told(ladder), next_command, drive)
 
 
-def _rungs(ladder: Sequence[Rung]) -> tuple[RungAnswer, ...]:
+def rungs_told(ladder: Sequence[Rung]) -> tuple[RungAnswer, ...]:
+    """Give what a ladder did, as JSON tells it."""
     return tuple(
         RungAnswer(
             effect=rung.change.step.effect if rung.change.step.adds else str(rung.change.step),
             kind=rung.kind,
             heldout_before=rung.change.heldout.before,
             heldout_after=rung.change.heldout.after,
+            rivals=rung.rivals,
+            next_test=rung.next_test or None,
         )
         for rung in ladder
     )

@@ -182,6 +182,8 @@ def not_fitted(change: LawChange) -> list[str]:
 def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
     """Say that what was added last doesn't help, and which law to keep; empty where it does, or nothing was added.
 
+    Where it fits the tests better, and they have too few settings for left-out ones to tell, that is said instead.
+
     Args:
         history: of the law.
         steps: how many of its last steps were taken at once, on the same tests.
@@ -195,6 +197,14 @@ def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
     if without is None or having is None or having < without:
         return ""
     names = " and ".join(step.effect for step in taken)
+    before, after = history[-steps - 1].nrmse, history[-1].nrmse
+    if history[-1].few_settings and before > STILL_AS_GOOD * after:
+        return (
+            f"Left-out conditions can't tell whether {names} helps: without one of so few settings the others hardly "
+            "tell what each condition does, and not what conditions do together. The error there goes "
+            f"{without:.2%} -> {having:.2%}, on the runs used {before:.2%} -> {after:.2%}; test further levels of what "
+            "varies"
+        )
     said, did = "The error", "doesn't fall"
     if having > STILL_AS_GOOD * without:
         said, did = "The law got worse: the error", "rises"

@@ -26,7 +26,9 @@ class LawErrors(AnswerModel):
     best: float = Field(
         description="of the best law that was found; it is fitted in units of noise and scatter, so may err more in N"
     )
-    noise: float = Field(description="cycle-to-cycle scatter, which no law can explain")
+    noise: float = Field(
+        description="cycle-to-cycle scatter, which no law can explain; of single cycles, the noise between samples"
+    )
 
 
 class HeldoutErrors(AnswerModel):
@@ -48,13 +50,17 @@ class RungAnswer(AnswerModel):
         description="error on left-out groups of A and f before, of fits without them, as a law's history has it"
     )
     heldout_after: float = Field(description="the same after")
+    rivals: tuple[str, ...] = Field(
+        (), description="what might as well have been added in its place, best first: of these it was ambiguous"
+    )
+    next_test: str | None = Field(None, description="the test that would tell them apart, or why there is none")
 
 
 class RemainsAnswer(AnswerModel):
     """What is left once what is named first is in the law."""
 
     force_N: float | None = Field(description="rms of what follows the conditions; null where there are no forces")
-    noise_share: float = Field(description="the same over the scatter")
+    noise_share: float = Field(description="the same over the noise")
     where: tuple[str, ...] = Field(description="where it is, in words")
 
 
@@ -121,6 +127,10 @@ class DiagnosisAnswer(AnswerModel):
     pair: CandidateAnswer | None
     screened_out: Mapping[str, float] = Field(description="effects that one step showed can't help, and their promise")
     nrmse: LawErrors
+    noise_of: Literal["cycles", "samples"] = Field(
+        description="what tells the noise that shares are of: how cycles differ or, where each run holds one, only the "
+        "samples beside each other in it, which say nothing of scatter"
+    )
     heldout_nrmse: HeldoutErrors
     lack_of_fit: LackAnswer
     scatter: ScatterAnswer
@@ -160,6 +170,7 @@ def diagnosis_answer(found: RecordDiagnosed, ladder: tuple[RungAnswer, ...], nex
             else found.comparison.nrmse,
             noise=found.comparison.noise_nrmse,
         ),
+        noise_of="cycles" if found.knows_scatter else "samples",
         heldout_nrmse=HeldoutErrors(law=diagnosis.law.heldout_nrmse, best=diagnosis.best.heldout_nrmse),
         lack_of_fit=LackAnswer(
             law=diagnosis.law.lack.share,
@@ -176,7 +187,7 @@ def diagnosis_answer(found: RecordDiagnosed, ladder: tuple[RungAnswer, ...], nex
         next_test=_next_test(found.proposal) if found.proposal else None,
         no_next_test=found.no_test or None,
         left_over=found.left_over(),
-        reasons=diagnosis.reasons,
+        reasons=found.reasons(),
         left_out=left_out_runs(found.comparison.campaign.left_out),
         sensors=found.comparison.campaign.faults,
         groups=groups_answer(found.groups),

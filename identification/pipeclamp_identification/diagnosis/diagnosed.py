@@ -26,15 +26,19 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
 
 HEADLINES: dict[tuple[Verdict, NamedKind | None], str] = {
-    ("complete", None): "Complete: what is left is scatter.",
+    ("complete", None): "Complete: what is left is {}.",
     ("missing", "cause"): "Missing: {}.",
     ("missing", "part"): "Part of what is missing: {}.",
     ("ambiguous", "cause"): "One of these is missing, and this data can't tell which: {}.",
     ("ambiguous", "part"): "One of these takes part of what is missing, and this data can't tell which: {}.",
     ("unknown", None): "Something is missing, and no effect of the catalogue can be named for it.",
 }
+SINGLE_CYCLES = (
+    "each run holds one cycle: the noise meant is that between the samples of a cycle; how cycles scatter isn't known"
+)
+"""What is to be known of noise where no run shows how cycles scatter."""
 COMPLETE_BUT_FOR_FORM = (
-    "Complete, but for its form: what is left beside scatter is small, and no effect of the catalogue takes most of it."
+    "Complete, but for its form: what is left beside {} is small, and no effect of the catalogue takes most of it."
 )
 
 
@@ -145,15 +149,34 @@ class RecordDiagnosed:
     def headline(self) -> str:
         """Give the verdict in words."""
         if self.verdict == "complete" and not self.diagnosis.is_adequate(self.diagnosis.law):
-            return COMPLETE_BUT_FOR_FORM
-        names = WITH.join(self.together) or " or ".join(self.effects)
-        return HEADLINES[self.verdict, self.kind].format(names)
+            return COMPLETE_BUT_FOR_FORM.format(self._rest)
+        named = WITH.join(self.together) or " or ".join(self.effects) or self._rest
+        return HEADLINES[self.verdict, self.kind].format(named)
 
     def words(self) -> tuple[str, ...]:
         """Say why, and what is left over."""
         return (
-            *self.diagnosis.reasons, *self.untested(), *self.cautions(), *self.left_over(), *self.farthest_off(),
+            *self.reasons(), *self.untested(), *self.cautions(), *self.left_over(), *self.farthest_off(),
         )  # fmt: skip
+
+    @property
+    def knows_scatter(self) -> bool:
+        """Whether any run holds cycles that may scatter; otherwise noise is that between the samples of a cycle."""
+        return any(self.diagnosis.loops.shows_scatter)
+
+    @property
+    def noise_name(self) -> str:
+        """Name the noise that shares are of."""
+        return "the noise" if self.knows_scatter else "the noise within a cycle"
+
+    @property
+    def _rest(self) -> str:
+        """Name what no law explains."""
+        return "scatter" if self.knows_scatter else "noise within a cycle"
+
+    def reasons(self) -> tuple[str, ...]:
+        """Say why the verdict is what it is, and which noise is meant where that isn't scatter."""
+        return (*self.diagnosis.reasons, *(() if self.knows_scatter else (SINGLE_CYCLES,)))
 
     def farthest_off(self) -> tuple[str, ...]:
         """Say where a law that stays as it is is farthest off for the force there."""
@@ -175,7 +198,8 @@ class RecordDiagnosed:
             return leftover.lines
         law = f"with {' and '.join(described.effects)}" if described.effects else "as it is"
         lack = described.lack
-        left = f"the law {law} leaves {newtons(lack.rms)} that follow the conditions, {lack.share:.2g} times the noise"
+        times = f"{lack.share:.2g} times {self.noise_name}"
+        left = f"the law {law} leaves {newtons(lack.rms)} that follow the conditions, {times}"
         return (left, *leftover.words, *leftover.lines)
 
     def rung(self) -> tuple[str, ...]:
@@ -185,7 +209,7 @@ class RecordDiagnosed:
             return ()
         takes = f"{WITH.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
         named = f"{takes} ({MEASURE_OF_SHARES})"
-        return (named, *(self.left_over() or ("what remains is scatter",))[:1])
+        return (named, *(self.left_over() or (f"what remains is {self._rest}",))[:1])
 
     def cautions(self) -> tuple[str, ...]:
         """Say what to mind of what was named."""

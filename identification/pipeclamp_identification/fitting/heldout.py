@@ -30,14 +30,32 @@ def condition_groups(loops: Loops) -> IntArray:
     """
     groups = amplitude_and_frequency_groups(loops)
     if groups.max() == 1:
-        every = (loops.temperature_K, loops.density_g_cm3, *loops.conditions.values())
-        return _alike((loops.amplitude_mm, loops.frequency_Hz, *every))
+        return _alike(_every_condition(loops))
     return groups if groups.max() else np.unique(loops.run, return_inverse=True)[1].astype(np.intp)
 
 
 def left_out_at_once(loops: Loops) -> str:
     """Name what is the same within each of `condition_groups`."""
     return {0: "runs", 1: "settings"}.get(int(amplitude_and_frequency_groups(loops).max()), "A, f")
+
+
+def are_few_settings(loops: Loops) -> bool:
+    """Tell whether fits without a group have no more settings than it takes to tell what each condition does.
+
+    One setting and one more for each condition that varies give what each does by itself. What such a fit errs on a
+    setting that it lacks may come of what conditions do together, and tells no law from another.
+    """
+    every = _every_condition(loops)
+    settings = _alike(every)
+    levels = [[level for level in number_levels(values, relative=SAME_SHARE) if level.known] for values in every]
+    varied = sum(len(known) > 1 for known in levels)
+    return min(len(np.unique(settings[used])) for used, _ in folds(condition_groups(loops), FOLDS)) <= 1 + varied
+
+
+def _every_condition(loops: Loops) -> tuple[Array, ...]:
+    """Give amplitude, frequency and all further conditions, shape (R,) each."""
+    further = loops.conditions.values()
+    return loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K, loops.density_g_cm3, *further
 
 
 def amplitude_and_frequency_groups(loops: Loops) -> IntArray:

@@ -220,7 +220,8 @@ def _changed(
     left = {"refitted_nrmse": rounded(done.heldout.before), "stage": former_law_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))
     last = HistoryStep(
-        step=str(step), kind=kind, nrmse=rounded(done.nrmse.after), refitted_nrmse=rounded(done.heldout.after)
-    )
+        step=str(step), kind=kind, nrmse=rounded(done.nrmse.after), refitted_nrmse=rounded(done.heldout.after),
+        few_settings=done.few_settings or None,
+    )  # fmt: skip
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
     return LawChange(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

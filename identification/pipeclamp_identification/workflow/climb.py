@@ -40,11 +40,15 @@ class Rung:
         change: what was done to the law, and what the error did.
         kind: how it was named; `revision` where the law was asked again, and an effect went or another base came.
         words: what to mind of it.
+        rivals: what might as well have been added in its place, best first.
+        next_test: the test that would tell these apart, or why there is none, in words; "" where there are none.
     """
 
     change: LawChange
     kind: NamedKind | Literal["revision"]
     words: tuple[str, ...]
+    rivals: tuple[str, ...] = ()
+    next_test: str = ""
 
     def said(self) -> str:
         """Say what was done, and what the error on left-out conditions did."""
@@ -318,15 +322,29 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]
     """Give the rungs of what was tried last and helped."""
     kind = _kind(found)
     *before, (first, *beside) = tried
-    others = [name for name in found.effects if name not in {steps[0].step.effect for steps in tried}]
-    rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
+    others = tuple(name for name in found.effects if name not in {steps[0].step.effect for steps in tried})
+    alike = (_alike(others), _told_apart(found)) if others else ()
     told = tuple(no_help(_in_vain(steps)) for steps in before) or found.rung()
     proof = () if kind == "cause" or NO_PROOF in found.cautions() else (NO_PROOF,)  # one of several causes is a part
     needed = f"{first.step.effect} needs it beside it"
     return [
-        Rung(first, kind, (*told, *rivals, *found.cautions(), *proof)),
+        Rung(first, kind, (*told, *alike, *found.cautions(), *proof), others, "".join(alike[1:])),
         *(Rung(step, kind, (needed,)) for step in beside),
     ]
+
+
+def _alike(others: Sequence[str]) -> str:
+    """Say that other effects might as well have been added."""
+    return (
+        f"it was ambiguous: {' or '.join(others)} would have done much the same, and these tests can't tell which it is"
+    )
+
+
+def _told_apart(found: Diagnosed) -> str:
+    """Say which test tells apart what may be missing, or why none does."""
+    if found.proposal is None:
+        return f"no test tells them apart: {found.no_test}"
+    return f"the test that tells them apart: {found.proposal.words()}"
 
 
 def _kind(found: Diagnosed) -> NamedKind:

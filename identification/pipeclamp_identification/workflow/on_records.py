@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.fitting.heldout import refitted_nrmse
+from pipeclamp_identification.fitting.heldout import are_few_settings, refitted_nrmse
 from pipeclamp_identification.fitting.identify import Identification, Method, fit_structure, identify, law_file
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
@@ -188,7 +188,8 @@ class RecordTests:
         progress("error on left-out conditions")
         heldout = BeforeAfter(self._left_out_error(law), self._left_out_error(result.law))
         fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
-        return RefittedLaw(fitted, BeforeAfter(before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
+        nrmse, few = BeforeAfter(before, overall_nrmse(runs)), are_few_settings(self.loops)
+        return RefittedLaw(fitted, nrmse, heldout, known_noise(runs, self.loops), few)
 
     def _left_out_error(self, law: Law) -> float:
         known = KnownLaw.of(law.structure, law.values)

@@ -104,12 +104,14 @@ class RefittedLaw:
         nrmse: error on the tests, before and after, as a share.
         heldout: error on groups of conditions that were left out, before and after.
         noise_nrmse: the scatter that no law can explain; None where it isn't known.
+        few_settings: whether the tests have too few for their left-out ones to tell laws apart.
     """
 
     fitted: Identified
     nrmse: BeforeAfter
     heldout: BeforeAfter
     noise_nrmse: float | None
+    few_settings: bool = False
 
 
 class Tests(Protocol):

@@ -255,6 +255,9 @@ class HistoryStep(LawFilePart):
         description="error on left-out groups of A and f, of fits without them",
     )
     kind: NamedKind | None = Field(default=None, description="how the diagnosis meant what was added, where one did")
+    few_settings: Literal[True] | None = Field(
+        default=None, description="of the tests are too few left for errors on left-out ones to tell laws apart"
+    )
     stage: FormerLaw | None = None
 
 

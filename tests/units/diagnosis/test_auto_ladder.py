@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pipeclamp.pages.sections import rung_words
+from pipeclamp.show.diagnosis_views import rungs_told
 from pipeclamp_fmu import build
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
@@ -25,6 +27,7 @@ def found(verdict, kind=None, *effects, together=(), other_parts=None, leaves_me
     return SimpleNamespace(
         together=together, other_parts=other_parts or {}, leaves_means_open=leaves_means_open,
         verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple,
+        proposal=None, no_test="none within the limits would do",
         naming_a_part=lambda reason: found(verdict, "part", *effects),
         naming_nothing=lambda reason: SimpleNamespace(
             verdict="unknown", kind=None, effects=(), values={}, together=(), other_parts={}, reasons=(reason,),
@@ -76,9 +79,27 @@ def test_of_several_that_take_a_part_the_next_is_tried_where_the_best_does_not_h
     answers = {(): found("ambiguous", "part", "bouc_wen", "memory", "slip_spread"), ("memory",): found("complete")}
     settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
     assert [str(rung.change.step) for rung in settled.ladder] == ["+ memory"]
-    tried, others, _ = settled.ladder[0].words
+    tried, others, test, _ = settled.ladder[0].words
     assert tried.startswith("bouc_wen was tried and not added")
-    assert others == "slip_spread would have done much the same"
+    assert others.startswith("it was ambiguous: slip_spread would have done much the same")
+    assert test == "no test tells them apart: none within the limits would do"
+
+
+@pytest.mark.parametrize(("verdict", "rivals"), [("ambiguous", ("slip_spread", "play")), ("missing", ())])
+def test_a_rung_says_between_what_it_was_ambiguous_and_which_test_tells(verdict, rivals, monkeypatch):
+    """At the terminal, in JSON and on the page: only that others would have done much the same had been said."""
+    first = found(verdict, "part", "memory", *rivals)
+    first.proposal = SimpleNamespace(words=lambda: "run a sine test at 0.6 mm")
+    settled = auto.add_until_settled(
+        law(), answering({(): first, ("memory",): found("complete")}, monkeypatch), command=""
+    )
+    (answer,) = rungs_told(settled.ladder)
+    told = (" ".join(settled.words()), " ".join(rung_words(settled.ladder)))
+    for text in told:
+        assert ("ambiguous: slip_spread or play would have done much the same" in text) == bool(rivals)
+        assert ("the test that tells them apart: run a sine test at 0.6 mm" in text.lower()) == bool(rivals)
+    assert answer.rivals == rivals
+    assert answer.next_test == ("the test that tells them apart: run a sine test at 0.6 mm" if rivals else None)
 
 
 def test_where_none_of_several_helps_the_best_was_tried_in_vain(monkeypatch):

@@ -118,6 +118,21 @@ def test_times_of_channels_are_not_the_channels():
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load (N),segment=Load", "twice"),
+        (
+            ["Time (s)", "y (mm)", "Load (N)"],
+            "segment=Load",
+            r"states 'Load \(N\)' as segment, and no other .* a force",
+        ),
+        (
+            ["Time (s)", "y (mm)", "Load (N)"],
+            "current_A=y",
+            r"states 'y \(mm\)' as current_A, and no other .* displacem",
+        ),
+        (
+            ["Time (s)", "y (mm)", "Kanal", "Load (N)"],
+            "segment=y",
+            r"states 'y \(mm\)' as segment, .*\n.*displacement=Kanal \[mm\]",
+        ),
     ],
 )
 def test_what_is_open_is_asked(headings, option, told):

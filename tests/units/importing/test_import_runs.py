@@ -280,6 +280,26 @@ def test_a_peak_where_a_triangle_turns_is_no_spike(late):
     assert "1 spike in force_N" in without_spikes(Record(t, y, dip)).told[0]
 
 
+@pytest.mark.parametrize("step", [0.19, 0.25, 0.3, 0.35, 0.55])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_an_upper_yield_point_is_no_spike(step, backwards):
+    """As of steel: the force rises to it along the elastic line, and drops to a level that it passed just before."""
+    y = np.concatenate([np.arange(0, 8, step), np.arange(8, 5, -step)])
+    force = np.minimum(y, 1.0)
+    peak = int(np.argmax(y >= 1.35))
+    force[: peak + 1] = y[: peak + 1]
+    force[-int(3 / step) :] = force[-int(3 / step) - 1] - 0.5 * (8 - y[-int(3 / step) :])
+    force = (force[::-1] if backwards else force) * 1800
+    y = y[::-1] if backwards else y
+    record = Record(np.arange(len(y)) / 10, y, force)
+    assert not without_spikes(record).told
+    # a glitch on the elastic line, or on the plateau, still is one
+    for at in (1, peak + 6):
+        glitch = force.copy()
+        glitch[len(y) - 1 - at if backwards else at] += 6000
+        assert "1 spike in force_N" in without_spikes(replace(record, force_N=glitch)).told[0]
+
+
 @pytest.mark.parametrize("per_cycle", [16, 50, 400])
 @pytest.mark.parametrize("loops", ["friction", "viscous", "impact", "noise"])
 def test_no_loop_is_taken_for_spikes(per_cycle, loops):

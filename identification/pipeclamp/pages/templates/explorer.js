@@ -36,6 +36,11 @@ function differenceOf(run, law) {
   return samplesOf(run.measured).map((force, index) => force - computed[index]);
 }
 
+// Single cycles show none.
+function showsScatter(runs) {
+  return runs.some((run) => run.squared_scatter !== null);
+}
+
 function scatterAt(run, phase) {
   return run.scatter[Math.floor((phase * run.scatter.length) / 360) % run.scatter.length];
 }
@@ -231,7 +236,7 @@ function explore(root, content) {
       element("fieldset", {}, element("legend", { textContent: laws.length > 1 ? "Laws" : "Law" }), ...lawBoxes)),
     element("div", { className: "controls" },
       choice("Map of", "show",
-        [["excess", "error over scatter"], ["loops", "loops"], ["difference", "measured less law"]], state.show,
+        [["excess", showsScatter(runs) ? "error over scatter" : "error"], ["loops", "loops"], ["difference", "measured less law"]], state.show,
         (value) => { state.show = value; update(); }),
       ...(further.length ? [element("label", {}, "at ", levels)] : [])),
     maps,
@@ -289,7 +294,7 @@ function explore(root, content) {
   }
 
   function scale() {
-    const known = runs.some((run) => run.squared_scatter !== null);
+    const known = showsScatter(runs);
     if (state.show === "loops") return "Each loop on its own scale; framed: the largest error in percent of its rms force.";
     if (state.show === "difference") return "Measured less law over displacement, as a share of each run's largest force, all on one scale; framed: the largest error in percent of its rms force.";
     if (!known) return "Error in percent of the rms force. Single cycles show no scatter, so that it isn't known how much of it is scatter; framed: holds the run with the largest error in percent.";

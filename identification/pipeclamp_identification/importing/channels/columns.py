@@ -216,7 +216,8 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
     """
     said = {one.ours: one for one in stated}
     columns = [_stated_column(table, one) for one in stated if one.channel.casefold() != NONE]
-    taken = {column.heading for column in columns}
+    as_stated = {column.heading: column.ours for column in columns}
+    taken = set(as_stated)
     headings = [column.heading for column in columns]
     for heading in headings:
         if headings.count(heading) > 1:
@@ -225,9 +226,9 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
     for quantity in (*OURS, SEGMENT):
         if quantity in said:
             continue
-        found = find(quantity, table, taken)
+        found = find(quantity, table, taken, as_stated)
         if found is None and quantity == SEGMENT:
-            found = find(quantity, replace(table, channels=table.labels), taken)
+            found = find(quantity, replace(table, channels=table.labels), taken, as_stated)
         if isinstance(found, Question):
             questions.append(found)
         elif found is not None:

@@ -70,13 +70,16 @@ class Question:
         return replace(self, why=why, choices=(*told, *(one for one in self.choices if one not in told)))
 
 
-def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel | Question | None:
+def find(
+    quantity: Quantity, table: RawTable, taken: Collection[str], stated: Mapping[str, str]
+) -> Channel | Question | None:
     """Find the channel of a quantity; a question where several may be it, or its unit isn't known.
 
     Args:
         quantity: time, displacement, force, temperature or segment; of the last two there may be none.
         table: as a file holds it.
         taken: headings of channels that are something else.
+        stated: what the user says that channels are, by heading.
     """
     channels = [channel for channel in table.channels if channel.heading not in taken]
     ranked: dict[int, list[Channel]] = {}
@@ -95,7 +98,7 @@ def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel
         return None
     if called := [channel for channel in channels if is_of_another(quantity, channel)]:
         return _in_another_unit(quantity, called, channels)
-    return _missing(quantity, table, channels) if quantity in NEEDED else None
+    return _missing(quantity, table, channels, stated) if quantity in NEEDED else None
 
 
 def _that_go_on(times: Sequence[Channel]) -> Sequence[Channel]:
@@ -141,8 +144,8 @@ def _in_another_unit(quantity: Quantity, called: Sequence[Channel], channels: Se
     )
 
 
-def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -> Question:
-    """Ask which channel is a quantity that none is called; those without a unit come first."""
+def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel], stated: Mapping[str, str]) -> Question:
+    """Ask which channel is a quantity that none is called; those without a unit come first. Arguments as of `find`."""
     # what surely is something else would serve, but wrongly
     some = [one for one in channels if not is_count(one) and not is_something_else(quantity, one)]
     likely = [one for one in some if unit_of(one) in NO_UNIT]
@@ -158,6 +161,9 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
         likely.sort(key=lambda one: rates[one.heading])
     likely.sort(key=lambda one: one.name.casefold().strip() not in SYMBOLS.get(quantity, ()))
     why = f"no channel is called a {quantity} or is in a unit of one"
+    other = next((one.heading for one in table.channels if one.heading in stated and rank(quantity, one)), None)
+    if other is not None:
+        why = f"--columns states {other!r} as {stated[other]}, and {why.replace('no', 'no other', 1)}"
     speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
     if speed:
         likely = [one for one in likely if not quantity_of_unit(unit_of(one)) and one is not speed]

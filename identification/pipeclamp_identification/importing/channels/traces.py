@@ -58,7 +58,7 @@ def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begi
     """
     for column in columns:
         if column.ours == "time":
-            return without_wrong_stamps(_turned(table, column))
+            return without_wrong_stamps(turned(table, column))
     if rate is None:
         raise UserError(
             "no channel is the time; expected the samples per second: --rate, or --rate none where time was not "
@@ -95,7 +95,7 @@ def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | N
     """
     column = next(one for one in columns if one.ours == "displacement")
     first = np.arange(min(LOOKED_AT, table.length)) if timed is None else timed[:LOOKED_AT]
-    return mended_channel("displacement_mm", without_codes("displacement_mm", _turned(table, column, first))[0])
+    return mended_channel("displacement_mm", without_codes("displacement_mm", turned(table, column, first))[0])
 
 
 def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array | None:
@@ -104,7 +104,7 @@ def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | Non
     `timed`: as for `first_motion`.
     """
     column = next((one for one in columns if one.ours == SEGMENT), None)
-    return None if column is None else _turned(table, column, timed)
+    return None if column is None else turned(table, column, timed)
 
 
 def label_column(table: RawTable, columns: Sequence[Column]) -> LabelColumn | None:
@@ -113,8 +113,8 @@ def label_column(table: RawTable, columns: Sequence[Column]) -> LabelColumn | No
     return next((label for label in table.labels if label.heading in headings), None)
 
 
-def _turned(table: RawTable, column: Column, rows: IntArray | None = None) -> Array:
-    """Give a channel's samples in our unit."""
+def turned(table: RawTable, column: Column, rows: IntArray | None = None) -> Array:
+    """Give a channel's samples in our unit, of all rows or of chosen ones, shape (n,)."""
     known = (*table.channels, *table.labels)
     values = next(channel.values for channel in known if channel.heading == column.heading)
     chosen = values if rows is None else values[rows]
@@ -136,9 +136,7 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     Raises:
         UserError: a temperature lies below absolute zero.
     """
-    values = {column.ours: _turned(table, column) for column in columns} | {
-        "time": time_of(table, columns, rate, begin)
-    }
+    values = {column.ours: turned(table, column) for column in columns} | {"time": time_of(table, columns, rate, begin)}
     kept = np.isfinite(values["time"])
     places = np.flatnonzero(kept)
     if len(places) < len(kept):

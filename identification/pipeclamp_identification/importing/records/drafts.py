@@ -26,6 +26,7 @@ class Draft:
         further: mean of each further channel, by column of runs.csv.
         temperature: mean, and by how much it moved; None where it wasn't measured.
         label: that the file gives it in a column of texts; "" where it gives none.
+        cycles_before: that its specimen had before, where the file shows it.
     """
 
     samples: tuple[int, int]
@@ -36,6 +37,7 @@ class Draft:
     further: Mapping[str, float]
     temperature: tuple[float, float] | None
     label: str = ""
+    cycles_before: float = 0.0
 
 
 @dataclass(frozen=True)

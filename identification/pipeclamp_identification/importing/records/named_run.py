@@ -145,6 +145,8 @@ def _measured(draft: Draft, mapped: Mapped, sine: tuple[float, float] | None, *,
     }
     if draft.temperature:
         measured["temperature_C"] = round(draft.temperature[0], 2)
+    if draft.cycles_before:
+        measured["first_cycle"] = _digits(draft.cycles_before)
     if sine is None:
         return measured | {"motion": "free"}
     measured["amplitude_mm"] = _digits(sine[0])

@@ -23,7 +23,7 @@ from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, unsteady
-from pipeclamp_identification.importing.samples.untimed import laid_out
+from pipeclamp_identification.importing.samples.untimed import cycles_of, laid_out
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
@@ -42,6 +42,8 @@ class Piece:
         where: names the table in errors.
         table: these rows of it.
         begin: rows before them.
+        cycles_before: that its specimen surely had before, where its time wasn't measured.
+        places: of its samples in the table, where some lie between two of its rows; None where none does.
         label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
         timed: whether its time was measured.
@@ -54,6 +56,8 @@ class Piece:
     rate: float | None
     timed: bool
     begin: int
+    cycles_before: float
+    places: Array | None
     label: str
     record: Path
     format: Format
@@ -71,6 +75,8 @@ def take_piece(piece: Piece) -> TakenPart | UserError:
 
 def _taken_piece(piece: Piece) -> TakenPart:
     trace = trace_of(piece.where, piece.table, piece.columns, piece.rate, piece.begin)
+    if piece.places is not None and piece.rate:
+        trace = replace(trace, record=replace(trace.record, time_s=piece.places / piece.rate))
     y = trace.motion
     if np.count_nonzero(np.isfinite(y)) < 2:
         rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1
@@ -119,6 +125,9 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
+    # a curve without a time counts its cycles as it is laid out
+    before = 0.0 if piece.timed else piece.cycles_before + cycles_of(trace.motion[: kept.first + 1])
+    after = (f"cycles of its specimen before it: {before:.4g}",) if before else ()
     further = {name: values[kept.first : kept.last] for name, values in trace.further.items()}
     draft = Draft(
         samples=_samples(piece.table, trace, kept),
@@ -126,12 +135,13 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
         record=path,
         seen=seen,
         done=(
-            *(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
+            *(*after, *trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
             *(moved for name, values in further.items() if (moved := moved_words(name, values))),
         ),
         further={name: _mean(values) for name, values in further.items()},
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
         label=piece.label,
+        cycles_before=before,
     )
     beside = (SampleRange(part.first, kept.first, BLANK), SampleRange(kept.last, part.last, BLANK))
     return draft, [one for one in beside if one.last > one.first]

@@ -27,6 +27,7 @@ from pipeclamp_identification.importing.conditions import of_properties
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.records.drafts import KnownFile, TakenFile, TakenPart, TakenTable, is_timed
+from pipeclamp_identification.importing.records.joined import joined_rows, rows_apart
 from pipeclamp_identification.importing.records.piece import Piece, take_piece
 from pipeclamp_identification.importing.samples.split import piece_bounds
 from pipeclamp_identification.importing.stated import Ask
@@ -167,15 +168,18 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     begins = [0, *inner.tolist(), table.length]
     del time, own
     label = label_column(table, columns)
-    for number, (first, last) in enumerate(itertools.pairwise(begins)):
-        rows = tuple(replace(channel, values=channel.values[first:last]) for channel in channels)
+    timed_here = is_timed(columns, way.timed)
+    pieces = rows_apart(channels, begins) if timed_here else joined_rows(table, channels, columns, begins)
+    for number, ((first, last), rows) in enumerate(zip(itertools.pairwise(begins), pieces, strict=True)):
         yield Piece(
             where=where,
-            table=RawTable(table.name, rows, table.first_row + first, table.told),
+            table=RawTable(table.name, rows.channels, table.first_row + rows.begin, table.told),
             columns=columns,
             rate=way.rate,
-            timed=is_timed(columns, way.timed),
-            begin=first,
+            timed=timed_here,
+            begin=rows.begin,
+            cycles_before=rows.cycles_before,
+            places=rows.places,
             label=label.of(np.arange(first, last)[finite[first:last]]) if label else "",
             record=record.with_name(f"{record.name}_{number:05d}"),
             format=way.format,

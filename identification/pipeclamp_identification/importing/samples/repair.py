@@ -10,7 +10,7 @@ import numpy.typing as npt
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing.samples.blanks import on_lines
 from pipeclamp_identification.importing.samples.split import turns_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.said import counted
 
 SPIKE = 12.0
@@ -56,7 +56,7 @@ def without_spikes(record: Record) -> Repaired:
     Hampel (J. Am. Stat. Assoc. 69, 1974): a sample lies many times the median absolute deviation off what is usual.
     Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing. Where a motion
     turns within a few samples, the force's peak there is no spike, nor is one that points the way of any turn: forces
-    peak where a triangle turns.
+    peak where a triangle turns. Nor is one that the samples on either side lead to.
     """
     changed: dict[str, Array] = {}
     told: list[str] = []
@@ -206,10 +206,32 @@ def _spikes(values: Array) -> npt.NDArray[np.bool_]:
             continue
         least = np.where(np.all(off > 0, axis=0) | np.all(off < 0, axis=0), np.min(np.abs(off), axis=0), 0.0)
         usual = 1.4826 * float(np.median(np.abs(off)))
-        at = np.flatnonzero((least > max(SPIKE * usual, bound)) & (np.abs(after - before) < APART * least)) + 1
+        far = max(SPIKE * usual, bound)
+        at = np.flatnonzero((least > far) & (np.abs(after - before) < APART * least)) + 1
+        at = at[_is_alone(values, at, width, far)]
         for step in range(width):
             found[at + step] = True
     return found if np.count_nonzero(found) <= max(MOST_SPIKES * len(values), 3) else none
+
+
+def _is_alone(values: Array, at: IntArray, width: int, far: float) -> npt.NDArray[np.bool_]:
+    """Tell which samples lie far off either side as it goes on: a peak that is risen to, or falls off again, doesn't.
+
+    So an upper yield point stays: on its way up a steep force passes the level that it drops to behind the peak.
+
+    Args:
+        values: of the channel, shape (n,).
+        at: places of the first of so many samples in a row, neither end of the channel among them.
+        width: samples in a row.
+        far: off the line that the last two samples of a side make; at an end of the channel one tells that it stays.
+    """
+    first, last = at, at + width - 1
+    before, after = values[first - 1], values[last + 1]
+    way_in = before - values[np.maximum(first - 2, 0)]
+    way_out = after - values[np.minimum(last + 2, len(values) - 1)]
+    off = np.stack([values[first] - (before + way_in), values[last] - (after + way_out)])
+    side = np.sign(values[first] - before)
+    return np.asarray(np.all(off * side > far, axis=0))
 
 
 def _off_the_line(values: Array, width: int) -> Array:

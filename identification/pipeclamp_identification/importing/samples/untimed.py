@@ -1,9 +1,13 @@
-"""Records whose time was not measured: each way from turn to turn is laid out as half a sine of half a second."""
+"""Records whose time was not measured: each way from turn to turn is laid out as half a sine of half a second.
+
+What a column parts of such a curve goes on from piece to piece: the step between two is a part of one or both of them.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,6 +26,10 @@ TURN = 0.1
 """Share of the whole way from which on a way back is a turn of such a curve."""
 FEWEST_TURNS = 4
 """The first sample, two turns and the last one: the way between two turns tells how far the others went."""
+SHARE_DIGITS = 6
+"""Of a share of a step."""
+UNLOADED = 0.01
+"""Share of the largest displacement, and of the largest force, within which a piece begins unloaded."""
 
 
 def laid_out(record: Record) -> Repaired:
@@ -43,17 +51,14 @@ def laid_out(record: Record) -> Repaired:
     times: list[Array] = []
     laid: dict[str, list[Array]] = {name: [] for name in ("displacement_mm", *channels)}
     begun = 0.0
-    for place, (first, last) in enumerate(itertools.pairwise(turns.tolist())):
-        is_first, is_last = place == 0, place == len(ranges) - 1
-        whole = max(ranges[place], ranges[1] if is_first else ranges[-2] if is_last else 0.0)
+    ways = zip(itertools.pairwise(turns.tolist()), _spans(ranges), strict=True)
+    for place, ((first, last), (whole, low, high)) in enumerate(ways):
         # of the first way its end is a turn, of the others their beginning
-        missing = whole - ranges[place]
+        begins = 1.0 - ranges[place] / whole if place == 0 else 0.0
         shares = np.abs(y[first : last + 1] - y[first]) / whole
-        shares = np.maximum.accumulate(np.clip(shares, 0.0, ranges[place] / whole)) + (
-            missing / whole if is_first else 0.0
-        )
-        low, high = _phase(shares[0]), _phase(shares[-1])
+        shares = np.maximum.accumulate(np.clip(shares, 0.0, ranges[place] / whole)) + begins
         count = max(math.ceil((high - low) / math.pi * FEWEST_PER_HALF), last - first)
+        is_last = place == len(ranges) - 1
         phase = low + (high - low) * np.arange(count + is_last) / count
         share = (1 - np.cos(phase)) / 2
         way = math.copysign(whole, y[last] - y[first])
@@ -64,6 +69,59 @@ def laid_out(record: Record) -> Repaired:
         begun += (high - low) / math.pi * HALF
     found = Record(time_s=np.concatenate(times), **{name: np.concatenate(parts) for name, parts in laid.items()})
     return Repaired(found, (f"laid out over sines of 1 Hz ({len(y)} samples became {len(found.time_s)})",))
+
+
+def cycles_of(y: Array) -> float:
+    """Give through how many cycles a curve goes, counted as they are laid out; displacement (n,) in mm, finite."""
+    ranges = np.abs(np.diff(y[_turns_of(y)])) if len(y) > 1 else np.empty(0)
+    if not np.any(ranges):
+        return 0.0
+    return sum(high - low for _, low, high in _spans(ranges)) / (2 * math.pi)
+
+
+def shares_before(y: Array, force: Array, bounds: Sequence[int]) -> Array:
+    """Give the share of the step to each piece that belongs to the piece before it, nan where a piece begins anew.
+
+    A piece goes on towards where it began, for there its loop closes, but no farther; the rest of the step leads to the
+    next one. What begins unloaded may be another specimen.
+
+    Args:
+        y, force: of the whole curve, shape (n,), blanks nan.
+        bounds: where pieces begin, and the end.
+
+    Returns:
+        a share for each piece but the first, 0 to 1, shape (pieces - 1,).
+    """
+    found = np.full(len(bounds) - 2, np.nan)
+    unloaded = [UNLOADED * np.max(np.abs(one), initial=0.0, where=np.isfinite(one)) for one in (y, force)]
+    began = y[0]
+    for place, first in enumerate(bounds[1:-1]):
+        step, lacking = y[first] - y[first - 1], began - y[first - 1]
+        is_known = bool(np.all(np.isfinite([step, lacking, force[first] - force[first - 1]])))
+        began = y[first]
+        if is_known and (abs(y[first]) > unloaded[0] or abs(force[first]) > unloaded[1]):
+            # a trifle of the step would be a sample in the place of another
+            found[place] = round(min(max(lacking / step, 0.0), 1.0), SHARE_DIGITS) if step else 0.0
+            began = y[first - 1] + found[place] * step
+    return found
+
+
+def _spans(ranges: Array) -> list[tuple[float, float, float]]:
+    """Give of each way from turn to turn the whole one in mm, and where on a sine along that it begins and ends, rad.
+
+    The first way and the last one are parts of ways as long as those beside them.
+
+    Args:
+        ranges: of the ways, mm, shape (ways,).
+    """
+    spans = []
+    last = len(ranges) - 1
+    for place, own in enumerate(ranges.tolist()):
+        beside = [*(ranges[1:2] if place == 0 else ()), *(ranges[-2:-1] if place == last else ())]
+        whole = float(max(own, *beside)) if beside else own
+        low = _phase(1.0 - own / whole) if place == 0 else 0.0
+        spans.append((whole, low, _phase(own / whole) if 0 < place == last else math.pi))
+    return spans
 
 
 def _turns_of(y: Array) -> IntArray:
