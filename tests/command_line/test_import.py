@@ -355,6 +355,8 @@ def test_a_run_that_is_left_out_lacks_no_temperature(pipeclamp, tmp_path):
     told = pipeclamp("import", folder, "-o", tmp_path / "c", "--pattern", "T{temperature_C}")
     assert "has the wrong sign" in told.stderr
     assert "no temperature" not in told.stdout
+    turning = re.search(r"the force of 1 of 4 runs has the wrong sign .* (--columns \"[^\"]*\")", told.stderr)[1]
+    assert "force=-" in turning, "and the others are imported without it"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")

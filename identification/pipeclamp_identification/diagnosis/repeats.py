@@ -12,7 +12,7 @@ from scipy.special import chdtri
 from pipeclamp_identification.diagnosis.noise import MOST_SCATTER, NoiseModel
 from pipeclamp_identification.diagnosis.thresholds import REAL_LACK_CHANCE
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
+from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 
 MOST_OF_MISFIT = 0.5
@@ -29,12 +29,14 @@ class Unstated:
         shares: standard deviation by which they differ, as a share of stiffness or damping, by that name.
         of_misfit: share of what the law misses in these runs (mean square) that differs between repeats.
         temperature_known: whether the runs' temperature is stated.
+        texts: columns of texts that tell repeats apart, but hardly repeat themselves: no groups are made of them.
     """
 
     runs: int
     shares: dict[str, float]
     of_misfit: float
     temperature_known: bool
+    texts: tuple[str, ...] = ()
 
     @property
     def is_most(self) -> bool:
@@ -47,10 +49,19 @@ class Unstated:
         what = (
             "specimen, preload or mounting, say" if self.temperature_known else "temperature, specimen or preload, say"
         )
-        return (
+        found = (
             f"{self.runs} runs are at the same stated conditions as others, and differ from them by {differ} (standard "
-            f"deviation), more than rigs scatter: what differs between them isn't stated ({what}), and no effect "
-            "explains it; state it in runs.csv, and identify again"
+            "deviation), more than rigs scatter: "
+        )
+        if self.texts:
+            return (
+                f"{found}only {' and '.join(self.texts)} in runs.csv may tell why, of which no groups can be made (two "
+                "of them need two runs each), and no effect explains it; state it as a number, or test each group "
+                "again, and identify again"
+            )
+        return (
+            f"{found}what differs between them isn't stated ({what}), and no effect explains it; state it in runs.csv, "
+            "and identify again"
         )
 
 
@@ -85,7 +96,20 @@ def unstated(loops: Loops, noise: NoiseModel, residual: Array, missed: Array) ->
         if np.isfinite(excess) and excess > MOST_SCATTER**2 * chdtri(free, REAL_LACK_CHANCE):
             shares[name] = float(np.sqrt(excess / free))
     known = bool(np.all(np.isfinite(loops.temperature_K)))
-    return Unstated(int(runs.sum()), shares, _between(repeats, missed), known) if shares else None
+    texts = _texts_between(repeats, loops)
+    return Unstated(int(runs.sum()), shares, _between(repeats, missed), known, texts) if shares else None
+
+
+def _texts_between(repeats: Sequence[IntArray], loops: Loops) -> tuple[str, ...]:
+    """Give the columns of texts that differ within every set of repeats, and make no groups of the runs."""
+    labels = [row.labels for row in loops.rows]
+    first = np.unique(loops.run, return_index=True)[1]
+    return tuple(
+        column
+        for column in labels[0]
+        if all(len({labels[row][column] for row in group}) > 1 for group in repeats)
+        and not group_names([labels[row][column] for row in first])
+    )
 
 
 def _between(repeats: Sequence[IntArray], missed: Array) -> float:

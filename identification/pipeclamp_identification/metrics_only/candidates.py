@@ -157,9 +157,30 @@ def _richest(
     Where what may be the cause leaves more than scatter, also what may take a part only. Two that come together are
     added where they take half, or more, of what the best one alone would leave.
     """
+    climb = partial(_climb, names=names, observations=observations, lacks=lacks, workers=workers)
+    expected = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
+    by_one = climb(law, fitted, together)
+    supported = (judged for judged in together if _supported(judged, law, expected))
+    two = min(supported, key=by_score, default=by_one)
+    # one effect after the other may end at more than two leave that come together: that is no scatter
+    return min((by_one, climb(two)), key=by_score) if two.score < by_one.score else by_one
+
+
+def _climb(
+    law: MetricJudged,
+    fitted: Sequence[MetricJudged] | None = None,
+    together: Sequence[MetricJudged] = (),
+    *,
+    names: Sequence[str],
+    observations: MetricObservations,
+    lacks: Callable[[MetricJudged], bool],
+    workers: Workers,
+) -> MetricJudged:
+    """Add to a law what the metrics support; `fitted` is it with one effect more each, where that is known."""
     expected = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
     richest = law
     while len(richest.effects) < MOST_ADDED:
+        fitted = _with_the_likeliest(richest, names, observations, workers) if fitted is None else fitted
         supported = partial(_supported, richest=richest, expected=expected)
         usable = list(filter(supported, fitted))
         sound = [judged for judged in usable if judged.may_be_cause]
@@ -169,14 +190,19 @@ def _richest(
         best = min(outdoing, key=by_score, default=best)
         if best is richest:
             break
-        richest, together = best, ()
-        left = [name for name in names if name not in richest.effects]
-        seen = [entry for entry in _looks(richest, left, observations, workers) if not entry.hidden]
-        seen.sort(key=lambda entry: -entry.promise)
-        apart = unlike([richest.structure.effect(entry.name) for entry in seen])
-        chosen = [entry for entry in seen if entry.name in apart][:ON_THE_WAY]
-        fitted = _with_each(richest, chosen, observations, workers, thoroughly=False)
+        richest, together, fitted = best, (), None
     return richest
+
+
+def _with_the_likeliest(
+    law: MetricJudged, names: Sequence[str], observations: MetricObservations, workers: Workers
+) -> list[MetricJudged]:
+    left = [name for name in names if name not in law.effects]
+    seen = [entry for entry in _looks(law, left, observations, workers) if not entry.hidden]
+    seen.sort(key=lambda entry: -entry.promise)
+    apart = unlike([law.structure.effect(entry.name) for entry in seen])
+    chosen = [entry for entry in seen if entry.name in apart][:ON_THE_WAY]
+    return _with_each(law, chosen, observations, workers, thoroughly=False)
 
 
 def _supported(judged: MetricJudged, richest: MetricJudged, expected: Scatter) -> bool:

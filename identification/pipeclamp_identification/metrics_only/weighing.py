@@ -149,11 +149,7 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> Me
     alone = _taking_part(usable, scales)
     both = _taking_part([each for each in scales.pairs if not each.objections], scales)
     by_itself = alone[0] if alone else scales.law
-    left = float(scales.heldout(by_itself).sum())
-    both = [
-        each for each in both
-        if scales.heldout(each).sum() <= (1 - PAIR_TAKES_SHARE) * left and each.score < by_itself.score
-    ]  # fmt: skip
+    both = [each for each in both if each.score < by_itself.score and _takes_over(each, by_itself, scales)]
     taking = both or alone
     if not taking:
         return None
@@ -182,6 +178,18 @@ def _comes_near(other: MetricJudged, best: MetricJudged, scales: MetricScales) -
     """Tell whether a law does better than the best on left-out conditions in some of their draws, or as a whole."""
     better = share_of_gains(scales.heldout(best) - scales.heldout(other)) > RIVAL_DRAWS_SHARE
     return better or other.score < best.score + RIVAL_LIKELIHOOD
+
+
+def _takes_over(pair: MetricJudged, alone: MetricJudged, scales: MetricScales) -> bool:
+    """Tell whether a pair takes half, or more, of what one alone leaves on left-out conditions, beyond doubt.
+
+    What the richest law leaves there as well counts for nothing: no effect takes it.
+    """
+    left, both = scales.heldout(alone), scales.heldout(pair)
+    if share_of_gains(left - both) <= BEYOND_DOUBT_DRAWS_SHARE:
+        return False
+    explained = left.sum() - min(scales.heldout(scales.richest).sum(), both.sum())
+    return bool(left.sum() - both.sum() >= PAIR_TAKES_SHARE * explained)
 
 
 def _outdoes(pair: MetricJudged, alone: MetricJudged | None, scales: MetricScales) -> bool:

@@ -134,8 +134,10 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
     ours = target or OURS[quantity]
     found = _conversion_to(ours, unit, quantity)
     if found is None:
+        lever = f", or what 1 {unit} stands for, by its lever or calibration: [2.5 {unit_shown(ours)}]"
         raise UserError(
             f"{unit!r} is no unit of {quantity}; expected one that turns into {unit_shown(ours)}, such as {_some(ours)}"
+            f"{lever if _known(unit) else ''}"
         )
     return found
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import signal
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -52,6 +53,8 @@ def spread(work: Callable[[Job], Result], jobs: Iterable[Job], processes: int) -
         return
     import joblib
 
+    # A process that has grown large is begun anew, with its jobs done; nobody has anything to do about it.
+    warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
     with joblib.parallel_config(backend="loky", initializer=ignore_interrupts, inner_max_num_threads=1):
         # what is large is sent, and never written to a temporary folder
         parallel = joblib.Parallel(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 
 import pytest
 
 from pipeclamp_models.base import processes
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.processes import ALONE, Workers
+from pipeclamp_models.base.processes import ALONE, Workers, spread
 
 
 def slowly(job: int) -> tuple[int, int]:
@@ -49,3 +50,12 @@ def test_a_mistake_in_the_work_is_the_callers(workers, monkeypatch):
 def test_who_works_alone_begins_none(monkeypatch):
     monkeypatch.setattr(processes, "BEGINNING_S", 0.0)
     assert {process for _, process in ALONE.share(slowly, range(4))} == {os.getpid()}
+
+
+def test_a_process_that_is_begun_anew_is_no_warning(recwarn):
+    def jobs():
+        warnings.warn("A worker stopped while some jobs were given to the executor. This can be ...", stacklevel=1)
+        yield from (-1, -2)
+
+    assert list(spread(abs, jobs(), 2)) == [1, 2]
+    assert not [one for one in recwarn if "worker" in str(one.message)]

@@ -115,6 +115,8 @@ def test_times_of_channels_are_not_the_channels():
         (["Time (s)", "Acceleration [m/s^2]", "Load (N)"], "", "there are 'Time .s.', 'Acceleration .m/s.2.'"),
         (["Time (s)", "Acceleration [m/s^2]", "Load (N)"], "", "\n  expected .*--columns OURS=CHANNEL"),
         (["Time (s)", "y (mm)", "Load (V)"], "force=Load (V)", "'V' is no unit of force"),
+        (["Time (s)", "Angle", "Load (N)"], "displacement=Angle [rad]", r"what 1 rad stands for, .*\[2.5 mm\]"),
+        (["Time (s)", "Angle", "Load (N)"], "displacement=Angle [foo]", "such as mm, m, um or in$"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load (N),segment=Load", "twice"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from pipeclamp_identification.campaign.description import ImportedCut
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART
-from pipeclamp_identification.importing.channels.columns import listed
+from pipeclamp_identification.importing.channels.columns import Mapped, listed
 from pipeclamp_identification.importing.conditions import Pattern
 from pipeclamp_identification.importing.records.named_run import NamedRun
 from pipeclamp_models.base.errors import UserError
@@ -43,16 +43,31 @@ def refuse_reversed(runs: Sequence[NamedRun]) -> None:
     """
     if not runs or not all(run.reversed for run in runs):
         return
-    mapped = runs[0].mapped
+    raise UserError(
+        "the force of all runs has the wrong sign: stiffness and dissipated energy are both negative; force is "
+        f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
+        f"{_turned(runs[0].mapped)}"
+    )
+
+
+def reversed_words(runs: Sequence[NamedRun]) -> str:
+    """Say how to import runs whose force has the wrong sign, where that of others hasn't; empty where none has."""
+    turned = [run for run in runs if run.reversed]
+    if not turned:
+        return ""
+    files = listed(list(dict.fromkeys(run.planned.source.file for run in turned)), most=3)
+    return (
+        f"the force of {len(turned)} of {counted(len(runs), 'run')} has the wrong sign ({files}): import these files "
+        f"into one folder with {_turned(turned[0].mapped)}, then the others into the same folder without it"
+    )
+
+
+def _turned(mapped: Mapped) -> str:
     turned = [
         replace(one, conversion=replace(one.conversion, factor=-one.conversion.factor)) if one.ours == "force" else one
         for one in mapped.columns
     ]
-    raise UserError(
-        "the force of all runs has the wrong sign: stiffness and dissipated energy are both negative; force is "
-        f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
-        f"{replace(mapped, columns=tuple(turned), questions=()).option()}"
-    )
+    return replace(mapped, columns=tuple(turned), questions=()).option()
 
 
 def contradicted(runs: Sequence[NamedRun], column: str, values: Sequence[float]) -> bool:

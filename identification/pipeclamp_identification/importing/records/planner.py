@@ -20,6 +20,7 @@ from pipeclamp_identification.importing.records.all_runs import (
     contradicted,
     refuse_none,
     refuse_reversed,
+    reversed_words,
     without_doubtful_temperatures,
 )
 from pipeclamp_identification.importing.records.drafts import KnownFile, TakenFile, TakenTable, is_timed
@@ -176,7 +177,7 @@ class _Planner:
         stems = () if options.pattern or options.conditions else [run.own for run in self._runs]
         guess = guessed_pattern(stems, partial(contradicted, self._runs))
         runs, words_above = without_doubtful_temperatures(self._runs, guess)
-        for words in words_above:
+        for words in (*words_above, *filter(None, [reversed_words(runs)])):
             self.note(words)
         for words, files in self._alike.items():
             self.note(f"{listed(list(dict.fromkeys(files)), most=1)}: {words}")

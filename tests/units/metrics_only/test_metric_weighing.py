@@ -1,0 +1,56 @@
+"""Two effects that come together, weighed against one alone, where no law explains all."""
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_identification.metrics_only import candidates
+from pipeclamp_identification.metrics_only.evidence import MetricJudged, Scatter
+from pipeclamp_identification.metrics_only.observations import MetricObservations
+from pipeclamp_identification.metrics_only.weighing import MetricScales, weigh
+from pipeclamp_models.base.processes import ALONE
+from pipeclamp_models.law.law import Structure
+
+ROWS = 60
+PAIR = ("relaxation", "relaxation_temperature")
+
+
+def judged(squares: float, *effects: str) -> MetricJudged:
+    """A law with these effects whose residuals have this sum of squares."""
+    residual = np.full((ROWS, 2), np.sqrt(squares / (2 * ROWS)))
+    result = cast(Fit, SimpleNamespace(fitted=("k",) * (5 + 2 * len(effects)), at_bound=()))
+    return MetricJudged(effects, Structure("power"), result, residual, ())
+
+
+def weighed(*, law, alone, pair, richest):
+    """What is named of laws that leave so many squares, in the fit as on each of 12 left-out conditions."""
+    laws = judged(law), judged(alone, "oil_damper"), judged(pair, *PAIR), judged(richest, *PAIR, "memory")
+    unequal = 1 + 0.1 * np.cos(np.arange(12))
+    scales = MetricScales(
+        law=laws[0], richest=laws[3], candidates=laws[1:2], pairs=laws[2:3],
+        chances={laws[1].name: 1e-9, laws[2].name: 1e-9}, lack=(0.0, 0.0), scatter=Scatter(np.ones(2), np.full(2, 9.0)),
+        heldout=lambda one: one.squares * unequal,
+    )  # fmt: skip
+    return weigh(scales).laws[0].effects
+
+
+def test_what_no_law_explains_doesnt_count_against_two_that_come_together():
+    """They take most of what any law does; more than half of what one alone leaves, nobody takes."""
+    assert weighed(law=1000.0, alone=700.0, pair=420.0, richest=400.0) == PAIR
+
+
+@pytest.mark.parametrize("pair", [690.0, 600.0])
+def test_two_that_take_little_more_than_one_alone_arent_named_for_it(pair):
+    assert weighed(law=1000.0, alone=700.0, pair=pair, richest=400.0) == ("oil_damper",)
+
+
+def test_the_richest_law_is_no_poorer_than_two_that_come_together(monkeypatch):
+    """Else what they explain would count as scatter."""
+    monkeypatch.setattr(candidates, "_looks", lambda *_: [])
+    law, alone, pair = judged(1e4), judged(7000.0, "oil_damper"), judged(4200.0, *PAIR)
+    nothing = cast(MetricObservations, None)
+    found = candidates._richest(law, [alone], [pair], [], nothing, lambda _: True, ALONE)
+    assert found.effects == PAIR
