@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 SIZE, MARGIN, WIDTH = 128, 14.0, 2.2
+OUTWARD = np.array([[-WIDTH], [WIDTH]])
 LINE, GROUND = np.array([11, 83, 148.0]), np.array([255, 255, 255.0])
 
 
@@ -28,7 +29,7 @@ def loop_icon(across: Sequence[float], up: Sequence[float]) -> bytes:
     nearest = np.full((SIZE, SIZE), np.inf)
     for begin, step in zip(begins, steps, strict=True):
         # A line reaches no pixel farther off than its own width.
-        (left, top), (right, bottom) = (np.sort([begin, begin + step], axis=0) + [[-WIDTH], [WIDTH]]).astype(int)
+        (left, top), (right, bottom) = (np.sort([begin, begin + step], axis=0) + OUTWARD).astype(int)
         near = slice(top, bottom + 1), slice(left, right + 1)
         x, y = middles[near[1]] - begin[0], middles[near[0], None] - begin[1]
         along = np.clip((x * step[0] + y * step[1]) / max(float(step @ step), 1e-12), 0.0, 1.0)
