@@ -63,8 +63,9 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
         "speaks against it",
     )
     caption = (
-        "each effect is fitted together with the law, which gives an estimate of its error on left-out tests; best "
-        "first, by their squares in units of the noise"
+        "each effect is fitted together with the law, which gives an estimate of its error on left-out tests (refits "
+        "without them, as the rungs of --auto tell, give another number); best first, by their squares in units of the "
+        "noise"
     )
     return Table(header, rows, f"{caption}; {', '.join(idle)}: of no help" if idle else caption)
 

@@ -160,10 +160,10 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel], s
         rates = _likeness_to_rates(likely)
         likely.sort(key=lambda one: rates[one.heading])
     likely.sort(key=lambda one: one.name.casefold().strip() not in SYMBOLS.get(quantity, ()))
-    why = f"no channel is called a {quantity} or is in a unit of one"
     other = next((one.heading for one in table.channels if one.heading in stated and rank(quantity, one)), None)
+    why = f"no {'other ' if other else ''}channel is called a {quantity} or is in a unit of one"
     if other is not None:
-        why = f"--columns states {other!r} as {stated[other]}, and {why.replace('no', 'no other', 1)}"
+        why = f"--columns states {other!r} as {stated[other]}, and {why}"
     speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
     if speed:
         likely = [one for one in likely if not quantity_of_unit(unit_of(one)) and one is not speed]
