@@ -354,6 +354,10 @@ def test_a_run_that_is_left_out_lacks_no_temperature(pipeclamp, tmp_path):
     folder = write_texts(tmp_path / "e", runs)
     told = pipeclamp("import", folder, "-o", tmp_path / "c", "--pattern", "T{temperature_C}")
     assert "has the wrong sign" in told.stderr
+    assert "4 runs of 4 files, 1 of which can't be used" in told.stdout
+    page = (tmp_path / "c" / "import.html").read_text(encoding="utf-8")
+    assert page.count('<td class="text">left out</td>') == 1
+    assert "Left out: run" not in page
     assert "no temperature" not in told.stdout
     turning = re.search(r"the force of 1 of 4 runs has the wrong sign .* (--columns \"[^\"]*\")", told.stderr)[1]
     assert "force=-" in turning, "and the others are imported without it"

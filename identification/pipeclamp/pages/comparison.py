@@ -25,6 +25,7 @@ from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import ComparedLaw
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.digits import one_digit
@@ -42,7 +43,7 @@ def answer_words(comparison: Comparison) -> list[str]:
         count = len(comparison.outside)
         several = "runs lie" if count > 1 else "run lies"
         words.append(f"{count} {several} outside the range in which the law was identified.")
-    words += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
+    words += [sentence(str(entry)) for entry in comparison.campaign.left_out]
     return [*words, *(f"Note: {remark}." for remark in comparison.campaign.remarks)]
 
 

@@ -64,7 +64,7 @@ def import_sections(found: ImportedCampaign, called: Sequence[str] = ()) -> list
     """Give the sections of an import's page; `called` as for `import_page`."""
     answer = found.answer()
     head, *lines = import_lines(found, answer, called)
-    notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.left_out)]
+    notes = [*(f"Note: {note}." for note in found.notes()), *(sentence(str(one)) for one in found.left_out)]
     sections = [
         Section(
             "What was imported",

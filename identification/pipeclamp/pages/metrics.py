@@ -17,6 +17,7 @@ from pipeclamp.show.metrics import (
     study_table,
 )
 from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import Metrics, metrics_of, scatter_of
 from pipeclamp_identification.loops.one_condition import Variation, loops_to_draw, principal_variations, variations_of
@@ -29,14 +30,14 @@ def metrics_sections(campaign: Campaign, loops: Loops) -> list[Section]:
     studies = principal_variations(variations_of(campaign, loops))
     answer = Section("Answer", [metrics_words(metrics), MEANINGS])
     sections = [answer, *(_study_section(study, loops, metrics) for study in studies)]
-    noted = [*(f"Left out: {entry}." for entry in campaign.left_out), *(f"Note: {one}." for one in campaign.remarks)]
+    noted = [*(sentence(str(entry)) for entry in campaign.left_out), *(f"Note: {one}." for one in campaign.remarks)]
     return [*sections, Section("All runs", noted, [runs_table(loops, metrics, scatter)])]
 
 
 def metric_campaign_sections(campaign: MetricCampaign) -> list[Section]:
     """Give the report of metrics without records: over what was varied, then every run."""
     answer = Section("Answer", [metric_campaign_words(campaign), MEANINGS_STATED])
-    noted = [f"Left out: {entry}." for entry in campaign.left_out]
+    noted = [sentence(str(entry)) for entry in campaign.left_out]
     every = Section("All runs", noted, [metric_table(campaign)])
     return [answer, *sweep_sections(campaign, of_energy(campaign)), every]
 

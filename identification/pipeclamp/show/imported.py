@@ -62,10 +62,12 @@ def imported_table(found: ImportedCampaign, answer: ImportAnswer, *, new_only: b
 def _(found: ImportedRecords, answer: ImportAnswer, *, new_only: bool = False) -> Table:
     runs = [run for run in answer.runs if run.new] if new_only else answer.runs
     shown = runs[:MOST_SHOWN] if new_only else runs
+    lost = {one.run for one in answer.left_out}  # why stands beside the table
     rows = [
         (
             run.run, run.file, run.amplitude_mm, run.frequency_Hz, run.temperature_C,
-            None if run.cycles is None else str(run.cycles), "; ".join(run.done) or "nothing",
+            None if run.cycles is None else str(run.cycles),
+            "; ".join([*run.done, *(["left out"] if run.run in lost else [])]) or "nothing",
         )
         for run in shown
     ]  # fmt: skip
@@ -114,7 +116,9 @@ def import_lines(found: ImportedCampaign, answer: ImportAnswer, called: Sequence
     else:
         files = counted(len(answer.new_files), "file")
         new = counted(sum(run.new for run in answer.runs), found.thing)
-        head = f"{found.folder}: {new} of {files}{KNOWN_BY[found.thing]}{_known(answer)}{done}"
+        unusable = {one.run for one in answer.left_out} & {run.run for run in answer.runs if run.new}
+        lost = f", {len(unusable)} of which can't be used" if unusable else ""
+        head = f"{found.folder}: {new} of {files}{lost}{KNOWN_BY[found.thing]}{_known(answer)}{done}"
     lines = [head]
     if answer.left_out_files:
         count = len(answer.left_out_files)

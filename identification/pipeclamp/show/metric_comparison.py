@@ -7,6 +7,7 @@ import numpy as np
 from pipeclamp.show.comparison import RUNS_PRINTED
 from pipeclamp.show.table import Table, outside_cell, outside_head
 from pipeclamp.show.view import View
+from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND
 from pipeclamp_identification.metrics_only.comparison_answer import metric_comparison_answer
 from pipeclamp_identification.metrics_only.law import MetricComparison, rms
@@ -41,7 +42,7 @@ def metric_comparison_words(comparison: MetricComparison) -> list[str]:
     if comparison.outside:
         lie = f"{counted(len(comparison.outside), 'run')} {'lies' if len(comparison.outside) == 1 else 'lie'}"
         words.append(f"{lie} outside the range in which the law was identified.")
-    return [*words, *(f"Left out: {entry}." for entry in comparison.campaign.left_out)]
+    return [*words, *(sentence(str(entry)) for entry in comparison.campaign.left_out)]
 
 
 def metric_comparison_view(comparison: MetricComparison) -> View:
