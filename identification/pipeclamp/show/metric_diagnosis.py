@@ -11,6 +11,7 @@ from pipeclamp_identification.diagnosis.answer import RungAnswer
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.diagnosis_answer import error, metric_diagnosis_answer
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
+from pipeclamp_identification.metrics_only.weighing import chance_words
 
 
 def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
@@ -21,14 +22,14 @@ def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
             100 * error(judged, diagnosis),
             100 * diagnosis.heldout[judged.name],
             100 * diagnosis.explained(judged),
-            100 * diagnosis.chances[judged.name],
+            chance_words(diagnosis.chances[judged.name]),
             "; ".join((*judged.objections, *judged.reservations)) or "–",
         )
         for judged in diagnosis.shown
     ]
     own = (100 * error(diagnosis.law, diagnosis), 100 * diagnosis.heldout[""])
     rows.append(("law as it is, refitted", *own, 0.0, None, "–"))
-    header = ("with", "error / %", "on left-out conditions / %", "explained / %", "by scatter alone / %", "against it")
+    header = ("with", "error / %", "on left-out conditions / %", "explained / %", "by scatter alone", "against it")
     return Table(
         header,
         rows,

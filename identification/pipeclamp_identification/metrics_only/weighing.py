@@ -31,6 +31,8 @@ MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or r
 
 NEARLY_ALWAYS_CHANCE = 0.995
 """A chance that is larger would be shown as 100 %."""
+RAREST_CHANCE = 1e-5
+"""A chance that is smaller is shown as less than this: its digits rest on the far end of a distribution."""
 MOST_ASKED = 4
 """Likeliest effects, and likeliest pairs, that are asked for left-out conditions, at most."""
 
@@ -246,7 +248,14 @@ def _by_chance(judged: MetricJudged, scales: MetricScales) -> str:
     chance = scales.chances[judged.name]
     if chance >= NEARLY_ALWAYS_CHANCE:
         return "scatter alone would gain as much in nearly all cases"
-    return f"scatter alone would gain as much in {100 * chance:.2g}% of all cases"
+    return f"scatter alone would gain as much in {chance_words(chance)} of all cases"
+
+
+def chance_words(chance: float) -> str:
+    """Say a chance in per cent; what is far below any that could be counted as such."""
+    if chance < RAREST_CHANCE:
+        return f"less than {100 * RAREST_CHANCE:g}%"
+    return np.format_float_positional(100 * chance, precision=2, fractional=False, trim="-") + "%"
 
 
 def _scatter_words(scatter: Scatter) -> str:

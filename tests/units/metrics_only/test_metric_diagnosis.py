@@ -17,6 +17,7 @@ from pipeclamp_identification.metrics_only.next_test import next_metric_test
 from pipeclamp_identification.metrics_only.observations import loop_energies
 from pipeclamp_identification.metrics_only.screen import look
 from pipeclamp_identification.metrics_only.verdict import diagnose_metrics
+from pipeclamp_identification.metrics_only.weighing import chance_words
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
@@ -170,3 +171,11 @@ def test_no_sine_within_the_limits_is_said(rivals):
     told = [next_metric_test(rivals, parse_limits(stated)).words for stated in ("A=2..3,f=5..6,v=..10", "F=..5")]
     assert all("no sine keeps all of" in words for words in told)
     assert "it would take F=.." in told[1]
+
+
+@pytest.mark.parametrize(
+    ("chance", "said"),
+    [(1.0, "100%"), (0.034, "3.4%"), (2e-5, "0.002%"), (9e-6, "less than 0.001%"), (0.0, "less than 0.001%")],
+)
+def test_a_chance_has_no_digits_that_mean_nothing(chance, said):
+    assert chance_words(chance) == said
