@@ -35,6 +35,8 @@ ON_THE_WAY = 4
 richest law."""
 MOST_ADDED = 3
 """Effects that are added on the way to the richest law, at most."""
+EXPECTED = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
+"""Scatter as it is expected before the metrics tell it."""
 
 
 @dataclass(frozen=True)
@@ -158,9 +160,8 @@ def _richest(
     added where they take half, or more, of what the best one alone would leave.
     """
     climb = partial(_climb, names=names, observations=observations, lacks=lacks, workers=workers)
-    expected = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
     by_one = climb(law, fitted, together)
-    supported = (judged for judged in together if _supported(judged, law, expected))
+    supported = (judged for judged in together if _supported(judged, law))
     two = min(supported, key=by_score, default=by_one)
     # one effect after the other may end at more than two leave that come together: that is no scatter
     return min((by_one, climb(two)), key=by_score) if two.score < by_one.score else by_one
@@ -177,11 +178,10 @@ def _climb(
     workers: Workers,
 ) -> MetricJudged:
     """Add to a law what the metrics support; `fitted` is it with one effect more each, where that is known."""
-    expected = Scatter(np.full(2, SCATTER_BEFOREHAND), np.full(2, EXPECTED_FREEDOMS))
     richest = law
     while len(richest.effects) < MOST_ADDED:
         fitted = _with_the_likeliest(richest, names, observations, workers) if fitted is None else fitted
-        supported = partial(_supported, richest=richest, expected=expected)
+        supported = partial(_supported, richest=richest)
         usable = list(filter(supported, fitted))
         sound = [judged for judged in usable if judged.may_be_cause]
         able = sound or (usable if lacks(richest) else [])
@@ -205,7 +205,7 @@ def _with_the_likeliest(
     return _with_each(law, chosen, observations, workers, thoroughly=False)
 
 
-def _supported(judged: MetricJudged, richest: MetricJudged, expected: Scatter) -> bool:
+def _supported(judged: MetricJudged, richest: MetricJudged) -> bool:
     """Tell whether metrics support a law beyond the richest one so far."""
     enough = not judged.objections and judged.freedoms >= FEWEST_FREEDOMS
-    return enough and chance(richest, judged, expected) <= REAL_CHANCE
+    return enough and chance(richest, judged, EXPECTED) <= REAL_CHANCE
