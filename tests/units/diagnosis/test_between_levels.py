@@ -15,6 +15,7 @@ from pipeclamp_identification.diagnosis.foretold import takes_part
 from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.verdict import diagnose
+from pipeclamp_identification.diagnosis.weighing import between_levels
 from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, rests_on, worst_level
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.loops import loops_of
@@ -38,9 +39,12 @@ WITH_MASS = Structure("power", ("inner_mass",))
 def tested(tmp_path):
     """Give a virtual campaign of the base law with effects."""
 
-    def made(effects, values, plan=PLAN, declared=()):
+    def made(effects, values, plan=PLAN, declared=(), others=()):
         law = Law(Structure("power", effects, declared=declared), {**BASE, **values}, 0.0126, 0.002)
-        write_campaign(tmp_path / "campaign", rig.virtual_runs(law, plan), name="virtual", notes="")
+        runs = [*rig.virtual_runs(law, plan)]
+        for changed, further in others:
+            runs += rig.virtual_runs(replace(law, values={**law.values, **changed}), further)
+        write_campaign(tmp_path / "campaign", runs, name="virtual", notes="")
         return read_campaign(tmp_path / "campaign")
 
     return made
@@ -125,6 +129,28 @@ def test_what_only_one_level_tells_is_no_fault_of_the_law(tested):
     noise = np.mean(problem.loops.noise_rms_N[level] ** 2)
     assert np.sqrt((without - having) / noise) > FORM_NOISE_SHARE, "a plain refit would count it"
     assert worst_level(law, problem).share < 0.1
+
+
+def test_what_chance_makes_of_a_level_is_no_disagreement(tested, monkeypatch):
+    """Without the level next to it nothing shows where a growth begins: the hottest tells beta times the rest.
+
+    A law of all runs is as good for the others, but for what noise made of the level, here of its damping; between it
+    and another that the others allow, on the straight way, lie laws that they contradict.
+    """
+    growth = {"beta": 1.3e-3, "T_c": 474.0}
+    plan = replace(PLAN, frequencies=(1.0, 4.0), temperatures=(20.0, 100.0, 300.0))
+    damped = {"c0": 80.12}, replace(plan, temperatures=(200.0,))
+    campaign = tested(("contact_growth",), growth, plan, others=[damped])
+    law, problem = judged(campaign, Structure("power", ("contact_growth",)), {**BASE, **growth})
+    values, hottest, earlier = law.result.law.values, 573.15, 410.0
+    beta = values["beta"] * (hottest - values["T_c"]) / (hottest - earlier)
+
+    def begun_elsewhere(structure, observations, *, start, tolerance):
+        return fit(structure, observations, start={**start, "beta": beta, "T_c": earlier}, tolerance=tolerance)
+
+    monkeypatch.setattr(between_levels, "fit", begun_elsewhere)
+    worst = worst_level(law, problem)
+    assert worst.share < 0.1, worst
 
 
 def test_levels_at_the_ends_are_not_between(tested):

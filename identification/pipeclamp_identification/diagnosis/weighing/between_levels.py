@@ -2,8 +2,8 @@
 
 A group of one amplitude and one frequency says little of a law between the levels: the other frequencies show the same
 amplitude. So all runs of a level between others are left out, and the law is refitted to the rest. What it then errs
-more on that level counts only as far as the rest insists on it: where the law as fitted to all is as likely by the
-rest, the rest only left open what the level tells.
+more on that level counts only as far as the rest insists on it: where the law as fitted to all disagrees with the rest
+by no more than noise makes of a law of the right form, the rest only left open what the level tells.
 
 What an effect takes may rest on one such level: a resonance between two frequencies can pass through the tests at a
 third, whatever they are. Fitted to the others alone it then takes none of that.
@@ -17,13 +17,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from pipeclamp_identification.diagnosis.left_out import DISAGREE_LIKELIHOOD
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, REAL_LACK_CHANCE
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.chances import squares_of_chance
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, number_levels
 from pipeclamp_models.base.arrays import IntArray
 from pipeclamp_models.base.errors import UserError
@@ -31,6 +31,8 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 
+SINGULAR_SHARE = 1e-10
+"""Directions of the parameters, in units of what runs tell of each, of which they tell less are open."""
 SHARE_ERROR = 0.01
 """Error of the share of the way between two laws at which the rest of the tests begin to disagree."""
 
@@ -71,7 +73,7 @@ def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
     """Give the level between others that a law foretells worst from the others; None where no level lies between."""
     found = []
     for level in (*_levels_between(problem.loops), *_further_levels_between(problem.loops)):
-        there, here = _squares(law.result.law, problem, level.rows)
+        there, here = _squares(law, problem, level.rows)
         square = max(there - here, 0.0)
         noise = float(np.mean(problem.loops.scatter_rms_N[level.rows] ** 2))
         rms, share = float(np.sqrt(square)), float(np.sqrt(square / noise))
@@ -94,7 +96,7 @@ def rests_on(candidate: Judged, law: Judged, problem: Problem) -> InnerLevel | N
     for level in _levels_between(problem.loops):
         if np.sum(gain[level.rows]) <= HALF_TAKEN_SHARE * np.sum(gain):
             continue
-        before, after = (_squares(one.result.law, problem, level.rows)[0] for one in (law, candidate))
+        before, after = (_squares(one, problem, level.rows)[0] for one in (law, candidate))
         if after > (1 - MATERIAL_PART_SHARE) * before:
             return level
     return None
@@ -123,26 +125,55 @@ def _inner(condition: str, unit: str, levels: Sequence[Level], fewest: int) -> I
         yield InnerLevel(condition, f"{level.label} {unit}".strip(), level.rows)
 
 
-def _squares(law: Law, problem: Problem, level: IntArray) -> tuple[float, float]:
+def _squares(judged: Judged, problem: Problem, level: IntArray) -> tuple[float, float]:
     """Give the mean-square error on a level, N2, of the nearest law that the other runs agree with, and of the law.
 
     Args:
-        law: as fitted to all runs.
+        judged: the law as fitted to all runs.
         problem: the data.
         level: rows of the level.
     """
     others = problem.observations.rows(np.setdiff1d(np.arange(len(problem.loops.run)), level))
-    there, here = (_mean_square(one, problem, level, others) for one in (_nearest(law, others), law))
+    law = judged.result.law
+    nearest = _nearest(law, others, _squares_by_chance(judged, problem, level))
+    there, here = (_mean_square(one, problem, level, others) for one in (nearest, law))
     return there, here
 
 
-def _nearest(law: Law, others: WhitenedObservations) -> Law:
-    """Give the nearest law that runs agree with: the law itself where they do with it, or are too few to be fitted."""
+def _squares_by_chance(judged: Judged, problem: Problem, level: IntArray) -> float:
+    """Give the squares by which a law of the right form, fitted to all runs, may disagree with those of other levels.
+
+    It is drawn to what noise makes of the level: each direction of the parameters by the share that the level has in
+    what all runs tell of it. Such a weighed sum of squares is nearly a multiple of one with fewer degrees of freedom
+    (Satterthwaite 1946). `REAL_LACK_CHANCE` says how rarely it is larger.
+    """
+    jacobian, precision = np.nan_to_num(judged.fitted.jacobian), judged.result.precision
+    if problem.factors is not None:
+        precision = np.concatenate([precision, problem.factors.precision])
+    scale = np.sqrt(np.sum(jacobian**2, axis=(0, 1)) + precision)
+    scaled = jacobian / np.where(scale > 0, scale, 1.0)
+    there, every = (rows.reshape(-1, len(scale)) for rows in (scaled[level], scaled))
+    told = every.T @ every + np.diag(precision / np.where(scale > 0, scale, 1.0) ** 2)
+    shares = np.linalg.pinv(told, rcond=SINGULAR_SHARE, hermitian=True) @ (there.T @ there)
+    total, squared = float(np.trace(shares)), float(np.sum(shares * shares.T))
+    if squared <= 0.0:
+        return 0.0
+    return squared / total * float(squares_of_chance(REAL_LACK_CHANCE, total**2 / squared))
+
+
+def _nearest(law: Law, others: WhitenedObservations, by_chance: float) -> Law:
+    """Give the nearest law that runs agree with: the law itself where they do with it, or are too few to be fitted.
+
+    Args:
+        law: as fitted to all runs.
+        others: the runs.
+        by_chance: the squares by which what they agree with may be less likely than what is fitted to them alone.
+    """
     try:
         refitted = fit(law.structure, others, start=law.values, tolerance=CLOSELY)
     except UserError:
         return law
-    most = _cost(refitted, law, others, 0.0) + float(DISAGREE_LIKELIHOOD)
+    most = _cost(refitted, law, others, 0.0) + by_chance
 
     def beyond(share: float) -> float:
         return _cost(refitted, law, others, share) - most
