@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_NOISE_SHARE
+from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
 from pipeclamp_identification.discovery.shapes import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
+from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_models.base.units import unit_shown
 
@@ -61,8 +64,17 @@ def discovery_words(proposal: TermProposal) -> list[str]:
         words.append(f"Mind: {found.caution}.")
     if found.rivals:
         rivals = "; ".join(rival.acts_like for rival in found.rivals[:RIVALS_SHOWN])
-        words.append(f"As well do: {rivals}. What tells: {found.next_test}.")
+        words.append(f"As well do: {rivals}. {_what_tells(found)}.")
     return [*words, tried]
+
+
+def _what_tells(found: TermFound) -> str:
+    if found.next_test:
+        return f"What tells: {found.next_test}"
+    return (
+        f"No sine up to {BEYOND_A:g} times the largest amplitude and {BEYOND_F:g} times the highest frequency tells: "
+        f"there they differ by less than {MATERIAL_NOISE_SHARE:g} times the scatter"
+    )
 
 
 def guards_table(proposal: TermProposal) -> Table:

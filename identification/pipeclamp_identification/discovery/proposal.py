@@ -64,7 +64,9 @@ class DiscoveryAnswer(AnswerModel):
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")
     caution: str | None = Field(description="what isn't to be trusted of the best term, in words")
-    next_test: str | None = Field(description="the test that would tell the term from its rivals, in words")
+    next_test: str | None = Field(
+        description="the test that would tell the term from its rivals, in words; null where none does"
+    )
     left_over: tuple[str, ...] = Field(
         description="where the rest lies, where nothing is proposed; most important first"
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_NOISE_SHARE
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
@@ -24,6 +25,8 @@ BEYOND_A, BEYOND_F = 1.25, 2.0
 def telling_test(one: Law, other: Law, loops: Loops) -> str:
     """Say which sine would tell two laws apart best, within and a little beyond the tests' range.
 
+    Nothing where they differ by less than is material in all of them: which is taken makes no difference there.
+
     Args:
         one, other: the laws.
         loops: the tests that both fit as well.
@@ -33,6 +36,8 @@ def telling_test(one: Law, other: Law, loops: Loops) -> str:
     size = np.sqrt(np.mean(difference**2, axis=1))
     best = int(np.nanargmax(size))
     scatter = float(np.median(loops.scatter_rms_N))
+    if size[best] <= MATERIAL_NOISE_SHARE * scatter:
+        return ""
     A, f, T = (float(motion.slow[name][best, 0]) for name in ("A", "f", "T"))
     at = f"A = {A:.3g} mm, f = {f:.3g} Hz" + (f", T = {T - CELSIUS:.3g} °C" if "T" not in motion.assumed else "")
     times = f", {size[best] / scatter:.2g} times the scatter" if scatter > 0 else ""

@@ -41,3 +41,16 @@ def test_what_lies_between_the_temperatures_tested_is_told_there(tmp_path):
         for level in (150.0, 190.0)
     )
     assert "T = 170 °C" in telling_test(one, other, loops)
+
+
+def test_terms_that_differ_by_less_than_is_material_are_told_by_no_test(tmp_path):
+    """A sine on which they differ by 0.07 times the scatter had been what tells them apart."""
+    law = law_of(open_law("emwm2"))
+    plan = rig.TestPlan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    write_campaign(tmp_path / "campaign", rig.virtual_runs(law, plan), name="virtual", notes="")
+    loops = loops_of(read_campaign(tmp_path / "campaign"))
+    softer, stiffer = (
+        Law(law.structure, {**law.values, "k10": law.values["k10"] * by}, law.v_r, law.y_r) for by in (1.0001, 1.05)
+    )
+    assert telling_test(law, softer, loops) == ""
+    assert "there they differ by" in telling_test(law, stiffer, loops)
