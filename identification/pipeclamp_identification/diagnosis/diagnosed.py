@@ -41,6 +41,8 @@ COMPLETE_BUT_FOR_FORM = (
     "Complete, but for its form: what is left beside {} is small, and no effect of the catalogue takes most of it."
 )
 
+FITS_BUT_NOT_COMPLETE = "The law fits these tests as far as {} lets it, but it can't be called complete."
+
 
 @dataclass(frozen=True)
 class RecordDiagnosed:
@@ -148,8 +150,11 @@ class RecordDiagnosed:
 
     def headline(self) -> str:
         """Give the verdict in words."""
-        if self.verdict == "complete" and not self.diagnosis.is_adequate(self.diagnosis.law):
+        adequate = self.diagnosis.is_adequate(self.diagnosis.law)
+        if self.verdict == "complete" and not adequate:
             return COMPLETE_BUT_FOR_FORM.format(self._rest)
+        if self.verdict == "unknown" and adequate:
+            return FITS_BUT_NOT_COMPLETE.format(self._rest)
         named = WITH.join(self.together) or " or ".join(self.effects) or self._rest
         return HEADLINES[self.verdict, self.kind].format(named)
 

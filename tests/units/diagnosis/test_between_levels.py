@@ -11,6 +11,7 @@ from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis import elsewhere
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.foretold import takes_part
 from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
@@ -68,6 +69,8 @@ def test_a_law_that_goes_wrong_between_the_levels_is_not_complete(tested, bump):
     assert found.verdict == "unknown"
     assert "f = 2 Hz" in found.reasons[0]
     assert "test at values of f in between" in found.reasons[0]
+    headline = RecordDiagnosed(found, comparison=None).headline()
+    assert "can't be called complete" in headline, "that something is missing would be more than these tests show"
 
 
 def test_no_part_is_made_up_between_the_levels(tested, bump):
