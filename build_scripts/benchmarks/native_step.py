@@ -105,7 +105,7 @@ def main() -> None:
                 copying = compiled(folder / "sources", HOST / "empty.c", root / "empty.so", *options)
                 bare = in_c(host, copying, token, folder)
             ours, ours_in_fmpy = in_c(host, library, token, folder / "resources"), in_fmpy(folder, identifier, token)
-            build_native_clamp(open_law(name), fmu, told=ClampStart(track=True))
+            build_native_clamp(open_law(name), fmu, start=ClampStart(track=True))
             _, its_token, its_library = unpacked(fmu, root / f"{name}_tracked")
             tracked = in_c(host, its_library, its_token, root / f"{name}_tracked" / "resources")
             without_law(root / f"{name}_empty", folder / "sources", library)

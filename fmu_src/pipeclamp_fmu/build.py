@@ -38,13 +38,13 @@ def version() -> str:
     return importlib.metadata.version("pipeclamp")
 
 
-def build_clamp(file: LawFile, output: Path, told: ClampStart = USUAL) -> str:
+def build_clamp(file: LawFile, output: Path, start: ClampStart = USUAL) -> str:
     """Build a clamp FMU (FMI 2.0 co-simulation, Python) from a law.
 
     Args:
         file: the law.
         output: the FMU to write, whole or not at all.
-        told: what it starts with.
+        start: what it starts with.
 
     Returns:
         the FMU's model identifier, unique for its content.
@@ -53,7 +53,7 @@ def build_clamp(file: LawFile, output: Path, told: ClampStart = USUAL) -> str:
         UserError: the law would create energy over some closed cycle in its range, depends on a condition that isn't in
             that range, is told to start beyond it, or the FMU can't be written.
     """
-    return write_fmu(python_clamp_content(file, told), output)
+    return write_fmu(python_clamp_content(file, start), output)
 
 
 def build_clamp_to_run(file: LawFile, output: Path, *, passive: bool = False) -> str:
@@ -87,7 +87,7 @@ def _content_to_run(law: str, passive: bool) -> Content:
 
 
 def build_native_clamp(
-    file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None, told: ClampStart = USUAL
+    file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None, start: ClampStart = USUAL
 ) -> Built:
     """Build a clamp FMU (FMI 2.0 or 3.0, co-simulation and model exchange, C) from a law.
 
@@ -96,34 +96,34 @@ def build_native_clamp(
         output: the FMU to write, whole or not at all.
         fmi: version of FMI, 2 or 3.
         platforms: to compile for, see `compile.PLATFORMS`; the host's by default. None of them gives an FMU of sources.
-        told: what it starts with.
+        start: what it starts with.
 
     Raises:
         UserError: as `native_clamp_content`; a platform can't be compiled for.
     """
-    content = native_clamp_content(file, told)
+    content = native_clamp_content(file, start)
     return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
-def python_clamp_content(file: LawFile, told: ClampStart = USUAL) -> Content:
+def python_clamp_content(file: LawFile, start: ClampStart = USUAL) -> Content:
     """Give all that goes into a law's Python FMU.
 
     Raises:
         UserError: as `build_clamp`.
     """
-    model = clamp_model(file, told)
+    model = clamp_model(file, start)
     require_passive(model, file)
     return clamp_content(_with_what_stands_behind(model, file), version())
 
 
-def native_clamp_content(file: LawFile, told: ClampStart = USUAL) -> NativeContent:
+def native_clamp_content(file: LawFile, start: ClampStart = USUAL) -> NativeContent:
     """Give all that goes into a law's native FMU.
 
     Raises:
         UserError: as `build_clamp`; its memory is to be continuous states and can't be.
     """
-    model = clamp_model(file, told)
-    if told.memory_as_states:
+    model = clamp_model(file, start)
+    if start.memory_as_states:
         require_states(model)
     require_passive(model, file)
     structure = law_of(file).structure

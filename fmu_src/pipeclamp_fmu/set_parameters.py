@@ -65,7 +65,7 @@ class _Built:
 
     fmi: int
     identifier: str
-    told: ClampStart
+    start: ClampStart
 
 
 def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
@@ -83,15 +83,15 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
         fmi = {"2": 2, "3": 3}[root.get("fmiVersion", "")[:1]]
         identifier = next(root.iter("CoSimulation")).attrib["modelIdentifier"]
         place = f"resources/{FILE_NAME}"
-        told = told_values(files[place].decode("utf-8"))
+        asked = told_values(files[place].decode("utf-8"))
     except (ElementTree.ParseError, LookupError, StopIteration, ValueError, struct.error) as error:
         what = "isn't as it was built" if place in files else "is missing"
         raise UserError(f"{fmu}: {place} in it {what}; expected {EXPECTED}, whole") from error
     start = ClampStart(
-        A=told.get("A"),
-        f=told.get("f"),
-        T=told.get("T"),
-        track=bool(told.get("track", False)),
+        A=asked.get("A"),
+        f=asked.get("f"),
+        T=asked.get("T"),
+        track=bool(asked.get("track", False)),
         connected_temperature="T_in" in connected,
         events=events,
         memory_as_states=states,
@@ -101,13 +101,13 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
 
 def _python_values(files: Mapping[str, bytes], built: _Built, file: LawFile) -> dict[str, bytes] | None:
     """Give the files of a Python FMU that say a law's values, None where its program is another."""
-    content = python_clamp_content(file, built.told)
+    content = python_clamp_content(file, built.start)
     return python_files(content) if module_file(content) in files else None
 
 
 def _native_values(files: Mapping[str, bytes], built: _Built, file: LawFile) -> dict[str, bytes] | None:
     """Give the files of a native FMU that say a law's values, None where its program is another."""
-    content = native_clamp_content(file, built.told)
+    content = native_clamp_content(file, built.start)
     sources = c_sources(content.model, built.fmi, built.identifier)
     if any(files[name] != sources[name.removeprefix("sources/")].encode("utf-8") for name in GENERATED):
         return None

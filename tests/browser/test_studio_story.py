@@ -16,7 +16,7 @@ pytest.importorskip("starlette", reason="needs the extra 'studio'")
 pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 
 import pipeclamp as pc
-from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis, ToldRung, stamp
+from pipeclamp.studio.diagnosis_shown import CandidateShown, DiagnosisShown, RungShown, stamp
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.file import read_law
 
@@ -212,11 +212,11 @@ def told_both(law, both, values):
     words = {
         name: "; ".join(getattr(effect, name) for effect in known) for name in ("does", "looks_like", "told_apart_by")
     }
-    candidate = ToldCandidate(
+    candidate = CandidateShown(
         name=",".join(both), heldout_nrmse=0.006, explained=0.9, against=(), effects=both, values=values, **words
     )
-    promised = ToldRung(label=" ".join(f"+ {name}" for name in both), heldout_nrmse=0.006, explained=0.9)
-    return ToldDiagnosis(
+    promised = RungShown(label=" ".join(f"+ {name}" for name in both), heldout_nrmse=0.006, explained=0.9)
+    return DiagnosisShown(
         law_command=stamp(law), verdict="missing", kind="part", effects=both[:1], together=both, headline="Part.",
         words=("They help only together.",), rung=("Both.",), lines=(), heldout_nrmse=0.02, candidates=(candidate,),
         promised=(promised,), next_test="", drive=False,

@@ -20,7 +20,7 @@ MOTION = (1e-4, 0.02, 400.0)
 
 def test_outputs_and_jacobian_are_ours(law_with_memory, native_fmus, tmp_path):
     fmu = tmp_path / "clamp.fmu"
-    build_native_clamp(law_with_memory, fmu, told=ClampStart(connected_temperature=True))
+    build_native_clamp(law_with_memory, fmu, start=ClampStart(connected_temperature=True))
     fmpy.extract(str(fmu), unzipdir=str(tmp_path / "casadi"))
     builder = casadi.DaeBuilder("clamp", str(tmp_path / "casadi"))
     imported = builder.create("imported", ["u"], ["y"])

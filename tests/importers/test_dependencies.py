@@ -60,7 +60,7 @@ def test_a_pipe_in_model_exchange_depends_on_what_its_matrices_hold(native_pipes
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_clamp_in_model_exchange_depends_on_its_motion(law_with_memory, tmp_path, fmi):
-    build_native_clamp(law_with_memory, tmp_path / "clamp.fmu", fmi, told=ClampStart(connected_temperature=True))
+    build_native_clamp(law_with_memory, tmp_path / "clamp.fmu", fmi, start=ClampStart(connected_temperature=True))
     found = {}
     for track in (False, True):
         clamp = NativeDriver(tmp_path / "clamp.fmu", tmp_path / str(track), "ModelExchange", {"track": track})

@@ -53,7 +53,7 @@ def fmus(law_of_many, tmp_path_factory):
     folder = tmp_path_factory.mktemp("states")
     for fmi in (2, 3):
         told = ClampStart(A=A, f=F, memory_as_states=True, events=fmi == 3)
-        build_native_clamp(law_of_many, folder / f"fmi{fmi}.fmu", fmi, told=told)
+        build_native_clamp(law_of_many, folder / f"fmi{fmi}.fmu", fmi, start=told)
     return {fmi: folder / f"fmi{fmi}.fmu" for fmi in (2, 3)}
 
 
@@ -161,7 +161,7 @@ def test_what_cannot_be_states_is_refused_by_name(law_with_memory, law_with_furt
         (law_with_memory, {"track": True}, "track A and f"),
     ):
         with pytest.raises(UserError, match=words):
-            build_native_clamp(law, tmp_path / "a.fmu", told=ClampStart(memory_as_states=True, **told))
+            build_native_clamp(law, tmp_path / "a.fmu", start=ClampStart(memory_as_states=True, **told))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -147,7 +147,7 @@ def test_a_reversal_is_an_event(native):
 def test_without_events_a_reversal_is_seen_at_the_step_s_end(native, law_with_memory, tmp_path, fmi):
     """And another law's parameters leave it so."""
     path = tmp_path / "clamp.fmu"
-    build_native_clamp(law_with_memory, path, fmi, told=ClampStart(events=False))
+    build_native_clamp(law_with_memory, path, fmi, start=ClampStart(events=False))
     set_parameters(path, law_with_memory, path)
     clamp = NativeDriver(path, tmp_path / "unpacked", "ModelExchange", {})
     assert not clamp.description.numberOfEventIndicators

@@ -22,7 +22,7 @@ H = 1 / (F * STEPS)
 BUILD = {
     "python": build_clamp,
     "native": build_native_clamp,
-    "native_3": lambda file, path, told: build_native_clamp(file, path, 3, told=told),
+    "native_3": lambda file, path, start: build_native_clamp(file, path, 3, start=start),
 }
 
 
@@ -38,7 +38,7 @@ def built(tmp_path_factory, law_with_memory):
         key = (kind, *sorted(told.items()))
         if key not in made:
             made[key] = folder / f"{len(made)}.fmu"
-            BUILD[kind](law_with_memory, made[key], told=ClampStart(**told))
+            BUILD[kind](law_with_memory, made[key], start=ClampStart(**told))
         return made[key]
 
     return make
@@ -251,7 +251,7 @@ def test_another_law_s_parameters_leave_what_the_fmu_was_told(built, law_with_me
     told = {"A": 9e-4, "f": 2.0, "T": 350.0, "track": True, "connected_temperature": True}
     wider = law_with_memory.range | {"A": law_with_memory.range["A"].model_copy(update={"maximum": 1.2})}
     other = law_with_memory.model_copy(update={"name": "other", "range": wider})
-    BUILD[kind](other, tmp_path / "anew.fmu", told=ClampStart(**told))
+    BUILD[kind](other, tmp_path / "anew.fmu", start=ClampStart(**told))
     set_parameters(built(kind, **told), other, tmp_path / "changed.fmu")
     assert (tmp_path / "changed.fmu").read_bytes() == (tmp_path / "anew.fmu").read_bytes()
     usual = tmp_path / "usual.fmu"
@@ -275,5 +275,5 @@ def test_another_law_s_parameters_leave_what_the_fmu_was_told(built, law_with_me
 def test_start_values_beyond_the_range_are_refused(law_with_memory, tmp_path, told, words):
     for build in (build_clamp, partial(build_native_clamp, platforms=())):
         with pytest.raises(UserError, match=words):
-            build(law_with_memory, tmp_path / "clamp.fmu", told=ClampStart(**told))
+            build(law_with_memory, tmp_path / "clamp.fmu", start=ClampStart(**told))
     assert not (tmp_path / "clamp.fmu").exists()

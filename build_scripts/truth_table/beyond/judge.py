@@ -114,7 +114,7 @@ def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutco
     begin = time.perf_counter()
     settled = add_until_settled(file, tests, command=COMMAND, limits=RIG_LIMITS)
     ladder_seconds = round(time.perf_counter() - begin, 1)
-    proposal, answer = _asked(settled.told(tests.name), tests)
+    proposal, answer = _asked(settled.with_diagnosis(tests.name), tests)
     last = proposal.after or settled.file
     identified, diagnosed, discovered = (
         round(heldout_over_floor(law, data.heldout, data.heldout_floor), 4) for law in (file, settled.file, last)

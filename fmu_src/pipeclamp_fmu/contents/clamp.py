@@ -129,10 +129,10 @@ def clamp_text(model: ClampModel, version: str) -> ModelText:
 
 def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Variables:
     """Give the clamp's variables, but for those that show its memory."""
-    told = model.told
-    options: dict[str, float | bool | None] = {"A": told.A, "f": told.f, "T": told.T, "track": told.track or None}
+    start = model.start
+    options: dict[str, float | bool | None] = {"A": start.A, "f": start.f, "T": start.T, "track": start.track or None}
     asked = {name: value for name, value in options.items() if value is not None}
-    temperature = model.temperature if told.T is None else told.T
+    temperature = model.temperature if start.T is None else start.T
     starts: dict[str, float | bool] = {
         "flange.s": 0.0,
         "flange.v": 0.0,
@@ -141,7 +141,7 @@ def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Var
         "f": middle(model.range_f),
         "T": temperature,
         **{entry.name: entry.start for entry in model.further},
-        "useTemperatureInput": told.connected_temperature,
+        "useTemperatureInput": start.connected_temperature,
         "track": False,
         **asked,
     }
@@ -166,7 +166,7 @@ def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Var
         boolean_parameters=known(clamp_slave.BOOLEAN_PARAMETERS),
         boolean_locals=known(clamp_slave.BOOLEAN_LOCALS),
         signals=clamp_slave.T_IN,
-        unconnected=int(not told.connected_temperature),
+        unconnected=int(not start.connected_temperature),
     )
 
 

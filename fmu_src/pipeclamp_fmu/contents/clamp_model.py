@@ -98,7 +98,7 @@ class ClampModel:
         notes: for the documentation: what else to say of the law, its data and its quality.
         further: conditions besides A, f and T, in the order in which the source takes them.
         history, fit: for the documentation: the error step by step, and how well the law fits.
-        told: what the FMU starts with.
+        start: what the FMU starts with.
         behind: what is known of the law's uncertainty and origin.
     """
 
@@ -114,7 +114,7 @@ class ClampModel:
     further: tuple[FurtherCondition, ...] = ()
     history: Sequence[HistoryStep] = ()
     fit: FitQuality | None = None
-    told: ClampStart = USUAL
+    start: ClampStart = USUAL
     behind: Behind | None = None
 
     @property

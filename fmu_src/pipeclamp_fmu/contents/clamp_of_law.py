@@ -29,17 +29,17 @@ SMOOTHING = {
 }
 
 
-def clamp_model(file: LawFile, told: ClampStart = USUAL) -> ClampModel:
+def clamp_model(file: LawFile, start: ClampStart = USUAL) -> ClampModel:
     """Give a law as the clamp FMU needs it.
 
     Args:
         file: the law.
-        told: what the FMU starts with.
+        start: what the FMU starts with.
 
     Raises:
         UserError: the law's range lacks a condition that the law depends on, or what it is told to start with.
     """
-    _require_in_range(file, told)
+    _require_in_range(file, start)
     law = law_of(file)
     equations = law.structure.equations_without_rig
     described = {entry.name: (entry.unit, entry.meaning) for entry in equations.parameters} | SMOOTHING
@@ -69,7 +69,7 @@ def clamp_model(file: LawFile, told: ClampStart = USUAL) -> ClampModel:
         notes=_notes(file),
         history=file.history,
         fit=file.fit,
-        told=told,
+        start=start,
     )
 
 
@@ -84,16 +84,16 @@ def _parameter_name(column: str) -> str:
     return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(CONDITION)}")
 
 
-def _require_in_range(file: LawFile, told: ClampStart) -> None:
+def _require_in_range(file: LawFile, start: ClampStart) -> None:
     """Refuse start values that the law's data don't hold.
 
     Raises:
         UserError: one of them.
     """
     for name, meaning, value, zero, unit in (
-        ("A", "amplitude", told.A and MM * told.A, 0.0, "mm"),
-        ("f", "frequency", told.f, 0.0, "Hz"),
-        ("T", "temperature", told.T, CELSIUS, "°C"),
+        ("A", "amplitude", start.A and MM * start.A, 0.0, "mm"),
+        ("f", "frequency", start.f, 0.0, "Hz"),
+        ("T", "temperature", start.T, CELSIUS, "°C"),
     ):
         known = file.range.get(name)
         if value is None or known is None or within(value, (known.minimum, known.maximum)):

@@ -18,7 +18,7 @@ def require_states(model: ClampModel) -> None:
     Raises:
         UserError: one of its states jumps, it counts load cycles, or it is to follow A and f from the motion.
     """
-    if model.told.track:
+    if model.start.track:
         raise UserError(
             f"law {model.name!r}: the FMU is to track A and f, which takes averages over completed integrator steps; "
             f"expected A and f that are told, with memory as states: give --amplitude and --frequency, or {REMEDY}"

@@ -17,13 +17,13 @@ class Variable:
         name: as importers see it.
         quantity: what a person and an importer should know of it.
         start: value of an input or a parameter at the start; None for what is calculated.
-        told: whether that value was asked for, and isn't the usual one.
+        asked: whether that value was asked for, and isn't the usual one.
     """
 
     name: str
     quantity: Quantity
     start: float | bool | None = None
-    told: bool = False
+    asked: bool = False
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def numbers_of(variables: Variables, ranges: Sequence[DataRange]) -> list[tuple[
     """Give what the file of values says: name, value and unit of each start value and each end of a range."""
     started = (*variables.inputs, *variables.parameters, *variables.fixed, *variables.boolean_parameters)
     numbers = [
-        (entry.name, float(entry.start or 0.0), f"{entry.quantity.unit} {TOLD if entry.told else ''}".strip())
+        (entry.name, float(entry.start or 0.0), f"{entry.quantity.unit} {TOLD if entry.asked else ''}".strip())
         for entry in started
     ]
     for entry in ranges:

@@ -47,7 +47,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
     """
     described = quantities(model)
     variables = clamp_variables(model, described)
-    as_states = model.told.memory_as_states
+    as_states = model.start.memory_as_states
     icon, references = clamp_extras(model, variables, model_exchange=not as_states)
     shown = _continuous(described, states) if as_states else ()
     return NativeContent(
@@ -61,7 +61,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
                 variables, locals=(*shown, *_memory(described, () if as_states else states)), states=len(shown) // 2
             ),
             model.ranges,
-            f"{MEMORY}v" if states and model.told.events else "",
+            f"{MEMORY}v" if states and model.start.events else "",
             steps_matter=not as_states,
             exchange_slopes=not as_states,
         ),
@@ -94,7 +94,7 @@ def _header(model: ClampModel, source: str) -> str:
             "/* Generated: the law's equations. */",
             "#include <math.h>",
             "",
-            f'#define STATES_SOURCE "{(AS_STATES if model.told.memory_as_states else IN_STEPS)[0]}"',
+            f'#define STATES_SOURCE "{(AS_STATES if model.start.memory_as_states else IN_STEPS)[0]}"',
             "",
             source,
             "/* Conditions: the law's unit in the FMU's, whether they must be above 0, which counts load cycles. */",
@@ -180,7 +180,7 @@ WITHOUT_REVERSALS = "This FMU was built without events: an integrator finds reve
 
 def _use(model: ClampModel, with_memory: bool) -> tuple[str, ...]:
     """Give how to use the FMU."""
-    without_events = with_memory and not model.told.events
-    if model.told.memory_as_states:
+    without_events = with_memory and not model.start.events
+    if model.start.memory_as_states:
         return (*STATES_USE, WITHOUT_REVERSALS) if without_events else STATES_USE
     return WITHOUT_EVENTS if without_events else NATIVE_USE

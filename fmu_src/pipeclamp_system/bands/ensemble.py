@@ -59,14 +59,14 @@ class RunBands:
     Attributes:
         result: the run, with the ends of the bands among its columns.
         per_cent: that each band holds.
-        told: amplitudes over the last fifth of a run under a sine; else the largest displacements and forces.
+        values: amplitudes over the last fifth of a run under a sine; else the largest displacements and forces.
         members: runs of the ensemble, and how many failed.
         gaps: what the laws' files don't tell, in words.
     """
 
     result: CosimResult
     per_cent: float
-    told: tuple[BandedValue, ...]
+    values: tuple[BandedValue, ...]
     members: int
     failed: int
     gaps: tuple[str, ...]
@@ -77,10 +77,10 @@ class RunBands:
         lines = [
             f"{one.name}: {what} {ends_words(one.band, one.unit, self.per_cent)}"
             + (f"; {one.bent:.0%} of its variance isn't in proportion to what isn't known" if one.bent > BENDS else "")
-            for one in self.told
+            for one in self.values
         ]
         failed = f", of which {self.failed} failed and don't count" if self.failed else ""
-        widest = max(self.told, key=lambda one: one.band.deviation / one.band.value)
+        widest = max(self.values, key=lambda one: one.band.deviation / one.band.value)
         lines += origin_words(widest.name, widest.band)
         return [*lines, f"bands of {self.members} runs with other laws{failed}", *self.gaps]
 
@@ -143,8 +143,8 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
         raise UserError(f"{len(found) - len(good)} of the band's {len(found)} runs failed, the first one so: {first}")
     histories = np.stack([run for run in found if not isinstance(run, str)])
     banded = _with_bands(result, columns, histories, steps, moved=bool(what.means.any()))
-    told = _told(result, columns, histories, drawn[good], roots, what, steps)
-    return RunBands(banded, per_cent, told, len(found), len(found) - len(good), gaps(what.laws))
+    values = _banded_values(result, columns, histories, drawn[good], roots, what, steps)
+    return RunBands(banded, per_cent, values, len(found), len(found) - len(good), gaps(what.laws))
 
 
 def refuse(path: Path, per_cent: float) -> None:
@@ -206,20 +206,21 @@ def _with_bands(
     return replace(result, columns={**result.columns, **ends}, units={**result.units, **units})
 
 
-def _told(
+def _banded_values(
     result: CosimResult, columns: Sequence[str], histories: Array, drawn: Array, roots: Array, what: Unknown,
     steps: float,
 ) -> tuple[BandedValue, ...]:  # fmt: skip
     """Give what is read off the run with its bands, by what it follows in proportion."""
     sizes: Mapping[str, float] = {".s": MM, ".f": 1.0}
     design = np.column_stack([np.ones(len(drawn)), drawn])
-    told = []
+    banded = []
     for place, column in enumerate(columns):
         name, kind = column[:-2], column[-2:]
         values = np.array([_read(result, column, one[place]) for one in histories]) * sizes[kind]
-        begin, *slopes = np.linalg.lstsq(design, values, rcond=None)[0]
+        line = np.linalg.lstsq(design, values, rcond=None)[0]
+        begin, *slopes = line
         free = len(values) - design.shape[1]
-        rest = float(np.sum((values - design @ np.linalg.lstsq(design, values, rcond=None)[0]) ** 2)) / max(free, 1)
+        rest = float(np.sum((values - design @ line) ** 2)) / max(free, 1)
         value = _read(result, column, result.columns[column]) * sizes[kind]
         error = result.step_error
         solution = value * error if kind == ".s" and error is not None and isfinite(error) else 0.0
@@ -228,8 +229,8 @@ def _told(
         band = band_of(value, by_quantity, what, steps, float(np.hypot(solution, np.sqrt(rest))), moved)
         bent = rest / band.deviation**2 if band.deviation > 0 else 0.0
         words, unit = (name, "mm") if kind == ".s" else (f"force of {name}", "N")
-        told.append(BandedValue(words, unit, band, bent))
-    return tuple(told)
+        banded.append(BandedValue(words, unit, band, bent))
+    return tuple(banded)
 
 
 def _read(result: CosimResult, column: str, values: Array) -> float:

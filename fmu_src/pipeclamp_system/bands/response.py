@@ -21,8 +21,8 @@ from pipeclamp_system.bands.band import band_of, steps_of
 from pipeclamp_system.bands.described import refuse_unknown, unknown_of
 from pipeclamp_system.bands.marks import Moving
 from pipeclamp_system.bands.quantities import Unknown, normal_draws
+from pipeclamp_system.bands.response_bands import CurveBands, PeakBand, PieceBand, ResponseBands
 from pipeclamp_system.bands.sensitivity import conditions_at, moves, with_laws
-from pipeclamp_system.bands.told import CurveBands, PeakBand, PieceBand, ResponseBands
 from pipeclamp_system.bands.varied import gaps
 from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.steady.balance import SteadySystem

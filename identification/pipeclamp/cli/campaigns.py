@@ -24,7 +24,7 @@ from pipeclamp.cli.terminal import (
     print_next,
     print_table,
     put,
-    told,
+    showing_progress,
     values_in,
     warn,
 )
@@ -111,7 +111,7 @@ def rig(
 
     _refuse_beside(context, "--plan", plan, OF_NO_PLAN, "runs")
     _refuse_beside(context, "--drive", drive, OF_NO_DRIVE, "motion")
-    with told("rig") as tell:
+    with showing_progress("rig") as tell:
         runs_of = read_plan(plan) if plan else ()
         asked = virtual.TestPlan(
             amplitudes=numbers_in(amplitudes, "--amplitudes"),
@@ -177,7 +177,7 @@ def join(
     from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
     from pipeclamp_identification.workflow.next_command import after_import
 
-    with told("join") as tell:
+    with showing_progress("join") as tell:
         tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
         for entry in (entry for one in tests for entry in one.left_out):
             warn(str(entry))

@@ -20,8 +20,8 @@ from pipeclamp.cli.terminal import (
     opened_law,
     read_and_tell,
     show,
+    showing_progress,
     spare,
-    told,
 )
 
 app = typer.Typer()
@@ -54,7 +54,7 @@ def discover(
         raise UsageError(f"{output}: a declaration is a TOML file; expected a name that ends in {SUFFIX}")
     spare(campaign, *(declared or ()), outputs=(output, json, report, auto))
     spare(law, outputs=(output, json, report))
-    with told("discover") as tell:
+    with showing_progress("discover") as tell:
         file = opened_law(law)
         _, declarations = read_effects((), declared or ())
         tests = read_and_tell(campaign, strict, tell)

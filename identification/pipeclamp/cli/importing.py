@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeclamp.cli.campaigns import RecordFormat
-from pipeclamp.cli.terminal import JsonOption, ReportOption, note, print_table, put, show, spare, told, warn
+from pipeclamp.cli.terminal import JsonOption, ReportOption, note, print_table, put, show, showing_progress, spare, warn
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_folder
 
@@ -94,7 +94,7 @@ def import_command(
     asked = _at_a_terminal()
     leave_out = _may_be_left_out if asked and not skip_unusable else lambda unusable: skip_unusable
     options = stated_options(columns, pattern, conditions, rate, leave_out=leave_out, ask=_ask if asked else None)
-    with told("import") as tell:
+    with showing_progress("import") as tell:
         request = ImportRequest(
             files, output, options, page=page, confirm=_confirmed if asked and not yes else None,
             dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value, tell=tell,

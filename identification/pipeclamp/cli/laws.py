@@ -30,8 +30,8 @@ from pipeclamp.cli.terminal import (
     put,
     read_and_tell,
     show,
+    showing_progress,
     spare,
-    told,
     values_in,
 )
 from pipeclamp_models.base.errors import UsageError
@@ -90,7 +90,7 @@ def metrics(
     from pipeclamp_models.base.files import write_folder
 
     spare(campaign, outputs=(json, report))
-    with told("metrics") as tell:
+    with showing_progress("metrics") as tell:
         tests = read_and_tell(campaign, strict, tell)
         view = metrics_view(tests)
     following = after_import(str(campaign))
@@ -150,7 +150,7 @@ def identify(
     else:
         refuse_file(output)
     spare(campaign, *(declared or ()), outputs=(output, report))
-    with told("identify") as tell:
+    with showing_progress("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
         held = tuple(sorted(values_in(freeze).items()))
         structure = Structure(base.value, tuple(ids), held).with_declared(declarations)
@@ -224,7 +224,7 @@ def compare(
     from pipeclamp_identification.comparison.names import named_apart
     from pipeclamp_identification.workflow.after_comparison import after_comparison
 
-    with told("compare") as tell:
+    with showing_progress("compare") as tell:
         files = named_apart([opened_law(law) for law in laws], laws)
         tests = read_and_tell(campaign, strict, tell, free=True)
         held = [(file, tests.compare(file)) for file in files]
@@ -268,7 +268,7 @@ def diagnose(
     spare(law, outputs=(json, report, drive))
     if drive:
         refuse_drive_name(drive)
-    with told("diagnose") as tell:
+    with showing_progress("diagnose") as tell:
         file = opened_law(law)
         _, declarations = read_effects((), declared or ())
         tests = read_and_tell(campaign, strict, tell)
@@ -278,7 +278,12 @@ def diagnose(
                 file, tests, campaign, auto, command=command_called(), declared=declarations, limits=reach,
                 workers=workers,
             )  # fmt: skip
-            file, found, ladder, rungs = settled.told(tests.name), settled.found, settled.ladder, settled.words()
+            file, found, ladder, rungs = (
+                settled.with_diagnosis(tests.name),
+                settled.found,
+                settled.ladder,
+                settled.words(),
+            )
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, workers=workers)
             ladder, rungs = (), []
@@ -383,7 +388,7 @@ def _change(
     from pipeclamp_models.law.file import Provenance, law_text
 
     spare(campaign, outputs=(output,))
-    with told(title) as tell:
+    with showing_progress(title) as tell:
         file = opened_law(law)
         tests = read_and_tell(campaign, strict, tell)
         made = Provenance(command_called(), None if reproducible else now())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from pipeclamp.cli.terminal import command_called, show, told
+from pipeclamp.cli.terminal import command_called, show, showing_progress
 
 
 def compare_on_pipe(
@@ -18,7 +18,7 @@ def compare_on_pipe(
     from pipeclamp_identification.on_pipe.bands import pipe_bands, refuse_bands
     from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
 
-    with told("compare") as tell:
+    with showing_progress("compare") as tell:
         if bands is not None:
             refuse_bands(system, measured, bands)
         tell(f"hold {system} against {measured}")

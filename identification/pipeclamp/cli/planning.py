@@ -19,8 +19,8 @@ from pipeclamp.cli.terminal import (
     opened_law,
     say,
     show,
+    showing_progress,
     spare,
-    told,
 )
 from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER_BEFOREHAND, RigTimes
 from pipeclamp_models.base.errors import UsageError
@@ -92,7 +92,7 @@ def plan(
 
     spare(law, outputs=(json, report))
     noise = RIG.force_noise if force_noise is None else force_noise
-    with told("plan") as tell:
+    with showing_progress("plan") as tell:
         reach = parse_limits(limits) if limits else None
         asked = PlanRequest(hours, noise, scatter, times=RigTimes(heating, soak, pause), seed=seed)
         found = plan_campaign(opened_law(law), reach, asked, tell)
@@ -122,7 +122,7 @@ def _next_test(
     spare(system, outputs=(drive, json, report))
     if drive:
         refuse_drive_name(drive)
-    with told("plan") as tell:
+    with showing_progress("plan") as tell:
         reach = parse_limits(limits) if limits else None
         found = plan_tests(system, reach, per_cent=bands, at=at, noise_N=force_noise, progress=tell)
     following = after_band_plan(system, line_called(), proposed=bool(found.tests), driven=drive is not None)

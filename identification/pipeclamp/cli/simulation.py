@@ -24,8 +24,8 @@ from pipeclamp.cli.terminal import (
     print_next,
     put,
     say,
+    showing_progress,
     spare,
-    told,
 )
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.units import CELSIUS
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from pipeclamp_fmu.native.packing import Built
     from pipeclamp_identification.workflow.next_step import NextStep
     from pipeclamp_system.bands.ensemble import RunBands
-    from pipeclamp_system.bands.told import ResponseBands
+    from pipeclamp_system.bands.response_bands import ResponseBands
 
 app = typer.Typer()
 
@@ -125,12 +125,12 @@ def build_fmu(
         events=not no_events,
         memory_as_states=memory_as_states,
     )
-    build_python, build_native = partial(build_clamp, told=start), partial(build_native_clamp, told=start)
+    build_python, build_native = partial(build_clamp, start=start), partial(build_native_clamp, start=start)
     for asked, option in ((no_events, "--no-events"), (memory_as_states, "--memory-as-states")):
         if asked and kind is not FmuKind.native:
             raise typer.BadParameter("it is for --kind native: a Python FMU has no model exchange", param_hint=option)
     spare(law, outputs=(output,))
-    with told("build-fmu"):
+    with showing_progress("build-fmu"):
         file = opened_law(law)
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
         held = passivity(clamp_model(file, start), file).words()
@@ -150,7 +150,7 @@ def set_parameters(
     from pipeclamp_identification.workflow.next_built import after_clamp_fmu
 
     spare(law, outputs=(output,))
-    with told("set-parameters"):
+    with showing_progress("set-parameters"):
         file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
     put(f"{output or fmu}: parameters of {file.name}")
@@ -172,7 +172,7 @@ def build_pipe(
     from pipeclamp_models.pipe.modes import reduce
 
     spare(pipe, outputs=(output,))
-    with told("build-pipe"):
+    with showing_progress("build-pipe"):
         reduced = reduce(read_pipe(pipe))
         made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
     for line in reduced.summary().splitlines():
@@ -195,7 +195,7 @@ def cosim(
     from pipeclamp_system.cosim.run import run_system
 
     spare(system, outputs=(output, report))
-    with told("cosim") as tell:
+    with showing_progress("cosim") as tell:
         banded = None
         if bands is not None:
             from pipeclamp_system.bands.ensemble import refuse, run_bands
@@ -230,7 +230,7 @@ def response(
 
     spare(system, outputs=(output, report))
     limits = _limits(limit, bands)
-    with told("response") as tell:
+    with showing_progress("response") as tell:
         banded = None
         if bands is not None:
             from pipeclamp_system.bands.response import refuse, response_bands
@@ -283,7 +283,7 @@ def system_structure(
     from pipeclamp_system.cosim.ssp import write_system
 
     spare(system, outputs=(output,))
-    with told("system") as tell:
+    with showing_progress("system") as tell:
         found = write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE, tell)
     put(f"{output}: SSP 1.0, {kind.value}")
     if found.step is None:

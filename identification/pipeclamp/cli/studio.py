@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pipeclamp.cli.terminal import put, told
+from pipeclamp.cli.terminal import put, showing_progress
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_parent
 
@@ -47,7 +47,7 @@ def studio(
     from pipeclamp.studio.serve import serve
 
     threading.Thread(target=warm_drawing, daemon=True).start()
-    with told("studio") as tell:
+    with showing_progress("studio") as tell:
         tell(f"read {campaign}" if campaign else "start")
         desk = Desk(output or default_home(campaign), campaign)
 

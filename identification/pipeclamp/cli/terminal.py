@@ -187,7 +187,7 @@ def opened_law(name_or_path: str) -> LawFile:
 
 
 @contextmanager
-def told(title: str) -> Iterator[Tell]:
+def showing_progress(title: str) -> Iterator[Tell]:
     """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
     if not errors().is_terminal:
         yield lambda what: None

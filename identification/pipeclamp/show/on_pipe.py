@@ -26,7 +26,7 @@ def attribution_words(found: Attribution | None, proposal: NextMeasurement | Non
         return [f"Which parameter may be wrong is asked of {FEWEST_VALUES} measured values at least."]
     words = [_headline(found)]
     if found.verdict in ("wrong", "ambiguous"):
-        words += [f"{sentence(entry.told())} {_left(entry, found)}" for entry in found.named]
+        words += [f"{sentence(entry.value_words())} {_left(entry, found)}" for entry in found.named]
     if found.kind == "part":
         words.append(sentence(NO_PROOF))
     if found.verdict == "ambiguous":
@@ -45,7 +45,7 @@ def attribution_words(found: Attribution | None, proposal: NextMeasurement | Non
         )
     elif found.verdict == "unknown":
         best = found.candidates[0]
-        words.append(f"The best refit is {best.told()}. {_left(best, found)}")
+        words.append(f"The best refit is {best.value_words()}. {_left(best, found)}")
     if found.noise_unknown:
         words.append(
             f"More is left than the {PLAUSIBLE_NOISE_NRMSE:.0%} that tests on pipes scatter by at most, as a rule; no "
@@ -91,7 +91,7 @@ def candidate_table(found: Attribution, most: int | None = None) -> Table:
         (
             entry.words,
             " and ".join(sorted({suspect.side for suspect in entry.suspects})),
-            entry.told().partition(": ")[2] if len(entry.suspects) == 1 else entry.told(),
+            entry.value_words().partition(": ")[2] if len(entry.suspects) == 1 else entry.value_words(),
             100 * entry.nrmse,
             (entry.heldout / size) ** 0.5,
         )

@@ -131,7 +131,7 @@ def discover_task(project: Project, of: str) -> tuple[JobTask, str]:
     given = {
         "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"),
         "term": project.shown(f"{of}.term.toml"), "answer": project.shown(f"{of}.discovery.json"),
-        "told": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
+        "shown": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
     }  # fmt: skip
     return JobTask("discover", f"Search a term that {of} lacks", command, given, of), law
 
@@ -183,15 +183,15 @@ def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_un
     Raises:
         UserError: the samples per second are no number.
     """
-    told = {name: text for name, text in stated.items() if text}
+    options = {name: text for name, text in stated.items() if text}
     flags = [*(("--skip-unusable",) if skip_unusable else ()), *(("--dry-run",) if dry_run else ())]
-    options = [word for name, text in told.items() for word in (f"--{name}", text)]
-    command = shell_line("import", str(files), "-o", str(folder), *options, *flags)
+    words = [word for name, text in options.items() for word in (f"--{name}", text)]
+    command = shell_line("import", str(files), "-o", str(folder), *words, *flags)
     given: dict[str, Any] = {
-        "files": [str(files)], "folder": str(folder), "skip_unusable": skip_unusable, **told,
+        "files": [str(files)], "folder": str(folder), "skip_unusable": skip_unusable, **options,
     }  # fmt: skip
-    if "rate" in told:
-        given["rate"] = _rate(told["rate"])
+    if "rate" in options:
+        given["rate"] = _rate(options["rate"])
     kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
     return JobTask(kind, title, command, given)
 

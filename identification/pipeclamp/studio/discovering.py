@@ -7,8 +7,8 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
+from pipeclamp.studio.diagnosis_shown import stamp
 from pipeclamp.studio.project import Project
-from pipeclamp.studio.told import stamp
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
@@ -18,7 +18,7 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, law_text, read_law
 
 
-class ToldDiscovery(AnswerModel):
+class DiscoveryShown(AnswerModel):
     """A discovery as it is shown."""
 
     law_command: str = Field(description="the command that made the law which was asked, and its date")
@@ -29,7 +29,7 @@ class ToldDiscovery(AnswerModel):
 
 
 def discover(
-    tell: Progress, *, campaign: str, of: str, law: str, term: str, answer: str, told: str, command: str
+    tell: Progress, *, campaign: str, of: str, law: str, term: str, answer: str, shown: str, command: str
 ) -> dict[str, Any]:
     """Search a term that a law lacks; write it, the law with it, the answer, and what the studio shows of it."""
     from pipeclamp.show.discovery import discovery_words
@@ -43,22 +43,22 @@ def discover(
         write_whole(Path(term), toml_of(found.declaration))
         write_whole(Path(law), law_text(found.after.model_copy(update={"date": now()})))
     write_whole(Path(answer), found.answer().json_text())
-    shown = ToldDiscovery(
+    discovery = DiscoveryShown(
         law_command=stamp(file),
         proposed=found.proposed,
         words=tuple(discovery_words(found)),
         guards=tuple((one.name, one.passed, one.words) for one in found.guards),
         law=Path(law).stem if found.proposed else None,
     )
-    write_whole(Path(told), shown.json_text())
-    return {"law": shown.law} if shown.law else {}
+    write_whole(Path(shown), discovery.json_text())
+    return {"law": discovery.law} if discovery.law else {}
 
 
-def discovery_in(project: Project, name: str, file: LawFile) -> ToldDiscovery | None:
+def discovery_in(project: Project, name: str, file: LawFile) -> DiscoveryShown | None:
     """Give what a search found for a law; None where there was none, or another law of that name was asked."""
     path = project.folder / f"{name}.discovery_told.json"
     try:
-        told = ToldDiscovery.model_validate_json(path.read_text(encoding="utf-8"))
+        discovery = DiscoveryShown.model_validate_json(path.read_text(encoding="utf-8"))
     except (OSError, ValidationError, UnicodeDecodeError):
         return None
-    return told if told.law_command == stamp(file) else None
+    return discovery if discovery.law_command == stamp(file) else None

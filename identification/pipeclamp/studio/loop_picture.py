@@ -41,7 +41,7 @@ def run_picture(run: OneRun, laws: Mapping[str, Law]) -> dict[str, Any]:
     held = [ComparedLaw(name, law, (run.misfit(law),)) for name, law in laws.items()]
     shown = {"run": loop.run, "conditions": _conditions(run), "cycles": len(loop.cycles)}
     if not held:
-        return {**shown, **_measured(run), "laws": [], "told": []}
+        return {**shown, **_measured(run), "laws": [], "by_law": []}
     (drawn,) = drawn_runs(run.loops, held)
     return {
         **shown,
@@ -51,7 +51,7 @@ def run_picture(run: OneRun, laws: Mapping[str, Law]) -> dict[str, Any]:
         "measured": _numbers(drawn.measured),
         "scatter": None if drawn.scatter is None else _numbers(drawn.scatter),
         "laws": [_numbers(force) for force in drawn.laws],
-        "told": [_told(run, law.label, law.runs[0]) for law in held],
+        "by_law": [_numbers_of(run, law.label, law.runs[0]) for law in held],
     }
 
 
@@ -63,7 +63,7 @@ def _measured(run: OneRun) -> dict[str, Any]:
     return {**{name: _numbers(values) for name, values in known.items()}, "scatter": None}
 
 
-def _told(run: OneRun, name: str, misfit: RunMisfit) -> dict[str, Any]:
+def _numbers_of(run: OneRun, name: str, misfit: RunMisfit) -> dict[str, Any]:
     sums = error_sums(run.tests.campaign, run.loops, (misfit,))
     measured, computed = (_amplitudes(squares, len(misfit.measured)) for squares in squared_harmonics(sums, run.loops))
     return {

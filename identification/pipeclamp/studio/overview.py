@@ -16,10 +16,10 @@ from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import parameters_table, vain_words
 from pipeclamp.show.table import cell
 from pipeclamp.studio.bench import Bench
+from pipeclamp.studio.diagnosis_shown import DiagnosisShown, stamp
 from pipeclamp.studio.error_map import ErrorMap, error_map
-from pipeclamp.studio.project import TOLD, Project
+from pipeclamp.studio.project import SHOWN, Project
 from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
-from pipeclamp.studio.told import ToldDiagnosis, stamp
 from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
@@ -59,7 +59,7 @@ class LawShown:
         vain: that what was added last doesn't help; empty where it does.
         waterfall: its history.
         map, before: of the error; that of the law before it, where there is one on the same tests.
-        told: what a diagnosis said of it, where one was made.
+        diagnosis: of it, where one was made.
         once: runs that it was fitted to, where the tests have changed since.
         groups: its parameters, by effect.
     of_candidates: those that each candidate of the diagnosis would add, by its name.
@@ -74,7 +74,7 @@ class LawShown:
     waterfall: Picture
     map: ErrorMap
     before: ErrorMap | None
-    told: ToldDiagnosis | None
+    diagnosis: DiagnosisShown | None
     once: int | None
     groups: tuple[tuple[str, tuple[Slider, ...]], ...]
     of_candidates: Mapping[str, tuple[Slider, ...]]
@@ -94,7 +94,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
     file = project.law(name)
     held = bench.held(file)
     shown = error_map(bench.loops.run, held.conditions, held.sums, by)
-    parent, told = project.parent(name), told_in(project, name, file)
+    parent, diagnosis = project.parent(name), diagnosis_in(project, name, file)
     scatter = held.known_noise
     return LawShown(
         name=name,
@@ -103,13 +103,13 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
         scatter=None if scatter is None else 100 * scatter,
         words=tuple(how_much(held)[1:]),
         vain=_vain(file, project.law(parent) if parent else None),
-        waterfall=waterfall_of(file, told),
+        waterfall=waterfall_of(file, diagnosis),
         map=shown,
         before=law_map(project, bench, parent, shown.by) if parent else None,
-        told=told,
+        diagnosis=diagnosis,
         once=None if file.data.fingerprint == bench.tests.campaign.fingerprint else file.data.runs_used,
         groups=sliders_of(file),
-        of_candidates={each.name: candidate_sliders(file, each) for each in told.candidates} if told else {},
+        of_candidates={each.name: candidate_sliders(file, each) for each in diagnosis.candidates} if diagnosis else {},
     )
 
 
@@ -161,14 +161,16 @@ def _vain(file: LawFile, before: LawFile | None) -> str:
     return vain_words(file.history, len(_since(file, before)))
 
 
-def waterfall_of(file: LawFile, told: ToldDiagnosis | None) -> Picture:
+def waterfall_of(file: LawFile, diagnosis: DiagnosisShown | None) -> Picture:
     """Give a law's history as bars, and what would come next by a diagnosis, as its page has it."""
     rungs = rungs_of(file)
     if not rungs and file.fit:
         rungs = [RungBars(file.base, {USED: file.fit.nrmse})]
-    if told and rungs:
-        coming = [RungBars(each.label, {ESTIMATED: each.heldout_nrmse}, True, each.explained) for each in told.promised]
-        rungs = with_promised(rungs, RungBars("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
+    if diagnosis and rungs:
+        coming = [
+            RungBars(each.label, {ESTIMATED: each.heldout_nrmse}, True, each.explained) for each in diagnosis.promised
+        ]
+        rungs = with_promised(rungs, RungBars("law as it is", {ESTIMATED: diagnosis.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
     specification = plain(figure)
     layout = specification["layout"]
@@ -180,14 +182,14 @@ def waterfall_of(file: LawFile, told: ToldDiagnosis | None) -> Picture:
     return Picture(json.dumps(specification), words_of(figure), least_width(figure))
 
 
-def told_in(project: Project, name: str, file: LawFile) -> ToldDiagnosis | None:
-    """Give what was told of a law; None where it wasn't diagnosed, or another law of that name was."""
-    path = project.folder / f"{name}{TOLD}"
+def diagnosis_in(project: Project, name: str, file: LawFile) -> DiagnosisShown | None:
+    """Give the diagnosis of a law as it is shown; None where it wasn't diagnosed, or another law of that name was."""
+    path = project.folder / f"{name}{SHOWN}"
     try:
-        told = ToldDiagnosis.model_validate_json(Path(path).read_text(encoding="utf-8"))
+        diagnosis = DiagnosisShown.model_validate_json(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValidationError, UnicodeDecodeError):
         return None
-    return told if told.law_command == stamp(file) else None
+    return diagnosis if diagnosis.law_command == stamp(file) else None
 
 
 def side_by_side(one: LawFile, other: LawFile) -> list[tuple[str, str, str, str]]:

@@ -19,7 +19,7 @@ SESSION = "session.json"
 LAW_NAME = re.compile(r"law[1-9]\d{0,3}")
 FILE_NAME = re.compile(r"law[1-9]\d{0,3}(\.[a-z_]+)?\.(json|csv|fmu|html|toml)")
 """What may be downloaded: files of this folder that the studio wrote."""
-DIAGNOSIS, TOLD, DRIVE = ".diagnosis.json", ".told.json", ".next_test.csv"
+DIAGNOSIS, SHOWN, DRIVE = ".diagnosis.json", ".told.json", ".next_test.csv"
 """Ends of the names of what a diagnosis of a law is kept in: its answer, what is shown of it, the next test's drive."""
 
 

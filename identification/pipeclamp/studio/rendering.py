@@ -47,16 +47,16 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
     other = overview.law_shown(project, bench, beside, shown.map.by) if beside and shown else None
     first_map = shown.map if shown else overview.tests_map(bench, by)
     worst = first_map.worst()
-    told = shown.told if shown else None
+    diagnosis = shown.diagnosis if shown else None
     lines = {
         "identify": {base: commands.identify_line(project, project.upcoming, base) for base in commands.BASES},
         "diagnose": commands.diagnose_line(project, name) if name else "",
         "diagnosed": _last_diagnosis(project, name) or (commands.diagnose_line(project, name) if name else ""),
         "add": {
-            each.name: commands.add_line(project, name, each.name, told.meant(each.name), project.upcoming)
-            for each in told.candidates
+            each.name: commands.add_line(project, name, each.name, diagnosis.meant(each.name), project.upcoming)
+            for each in diagnosis.candidates
         }
-        if told and name
+        if diagnosis and name
         else {},
         "refit": commands.refit_line(project, name, project.upcoming) if name else "",
         "climb": commands.climb_line(project, name, project.upcoming) if name else "",
@@ -78,7 +78,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         map=first_map,
         edges=EDGES,
         worst=worst.runs[0] if worst else "",
-        told=told,
+        diagnosis=diagnosis,
         runs=len(bench.loops.run),
         lines=lines,
         discovery=discovery_in(project, name, project.law(name)) if name else None,
@@ -136,8 +136,8 @@ def warm(desk: Desk) -> None:
 
 def _summary(tests: RecordTests | MetricTests) -> str:
     """Say how many runs there are, and over which conditions."""
-    told = str(Tests(tests, tests.name)).splitlines()[0]
-    return told.removeprefix(f"{tests.name}: ")
+    summary = str(Tests(tests, tests.name)).splitlines()[0]
+    return summary.removeprefix(f"{tests.name}: ")
 
 
 def page(template: str, **content: Any) -> str:

@@ -21,12 +21,12 @@ from pipeclamp.pages.page import asset
 from pipeclamp.studio import commands, overview, uploads
 from pipeclamp.studio.bench import changed, with_candidate
 from pipeclamp.studio.desk import Desk, Opened, OpenedMetrics
+from pipeclamp.studio.diagnosis_shown import CandidateShown, DiagnosisShown
 from pipeclamp.studio.jobs import Job
 from pipeclamp.studio.loop_picture import run_picture
 from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, metrics_page, page
 from pipeclamp.studio.security import TooLargeError
-from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
@@ -176,7 +176,7 @@ class Pages:
         law = _candidate(opened, name, str(candidate)) if candidate else law_of(opened.project.law(name))
         label = f"{commands.effects_said(str(candidate or name))}, moved"
         shown = run_picture(opened.bench.run(_text(asked, "run")), {label: changed(law, values)})
-        return JSONResponse({"force": shown["laws"][0], "told": shown["told"][0]})
+        return JSONResponse({"force": shown["laws"][0], "by_law": shown["by_law"][0]})
 
     async def start(self, request: Request) -> Response:
         """Start a job."""
@@ -192,9 +192,9 @@ class Pages:
             task, law = commands.identify_task(project, base)
         elif wanted == "add":
             of, effect = _text(asked, "law"), _text(asked, "effect")
-            told = _told(opened, of, project.law(of))
-            _among(told, of, effect)
-            task, law = commands.add_task(project, of, effect, told.meant(effect))
+            diagnosis = _diagnosis(opened, of, project.law(of))
+            _among(diagnosis, of, effect)
+            task, law = commands.add_task(project, of, effect, diagnosis.meant(effect))
         elif wanted == "refit":
             task, law = commands.refit_task(project, _text(asked, "law"))
         elif wanted == "diagnose":
@@ -282,22 +282,22 @@ def _script(name: str, kept: str) -> Response:
 
 def _candidate(opened: Opened, law: str, candidate: str) -> Law:
     file = opened.project.law(law)
-    found = _among(_told(opened, law, file), law, candidate)
+    found = _among(_diagnosis(opened, law, file), law, candidate)
     return with_candidate(file, found.effects, found.values)
 
 
-def _among(told: ToldDiagnosis, law: str, candidate: str) -> ToldCandidate:
-    found = next((each for each in told.candidates if each.name == candidate), None)
+def _among(diagnosis: DiagnosisShown, law: str, candidate: str) -> CandidateShown:
+    found = next((each for each in diagnosis.candidates if each.name == candidate), None)
     if found is None:
         raise UserError(f"{candidate!r}: no candidate of {law}'s diagnosis; diagnose it first")
     return found
 
 
-def _told(opened: Opened, law: str, file: LawFile) -> ToldDiagnosis:
-    told = overview.told_in(opened.project, law, file)
-    if told is None:
+def _diagnosis(opened: Opened, law: str, file: LawFile) -> DiagnosisShown:
+    diagnosis = overview.diagnosis_in(opened.project, law, file)
+    if diagnosis is None:
         raise UserError(f"{law}: hasn't been diagnosed; do that first")
-    return told
+    return diagnosis
 
 
 async def _asked(request: Request) -> Mapping[str, Any]:

@@ -30,7 +30,7 @@ class SessionStep(Kept):
     of: str | None = None
     stopped: bool = False
 
-    def told(self) -> str:
+    def shell_lines(self) -> str:
         """Give it as lines for a shell; of what was stopped, with a remark before it."""
         remark = f"# stopped on the way: {self.law} holds what had been added until then\n" if self.stopped else ""
         return remark + self.command

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from pipeclamp.studio.told import ToldCandidate
+from pipeclamp.studio.diagnosis_shown import CandidateShown
 from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.law.file import LawFile, structure_of
 from pipeclamp_models.law.outline import NumberOrExpression, ParameterOutline
@@ -37,7 +37,7 @@ def sliders_of(file: LawFile) -> tuple[tuple[str, tuple[Slider, ...]], ...]:
     return tuple((effect, tuple(sliders)) for effect, sliders in reversed(groups.items()))
 
 
-def candidate_sliders(file: LawFile, candidate: ToldCandidate) -> tuple[Slider, ...]:
+def candidate_sliders(file: LawFile, candidate: CandidateShown) -> tuple[Slider, ...]:
     """Give the parameters that a candidate would add to a law, at the values that the diagnosis fitted."""
     structure = replace(structure_of(file), effects=candidate.effects)
     return tuple(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeclamp.studio.project import DIAGNOSIS, DRIVE, TOLD
+from pipeclamp.studio.project import DIAGNOSIS, DRIVE, SHOWN
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.files import write_whole
@@ -79,7 +79,7 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
     if not settled.ladder:
         _write_diagnosis(settled.found, file, campaign, of, ())
         return {"verdict": settled.found.verdict}
-    ended = settled.told(tests.name).model_copy(update={"date": now()})
+    ended = settled.with_diagnosis(tests.name).model_copy(update={"date": now()})
     _write_diagnosis(settled.found, ended, campaign, law, settled.ladder)
     return _written(ended, law)
 
@@ -94,17 +94,17 @@ def _reach(limits: str) -> Limits | None:
 def _write_diagnosis(found: Diagnosed, file: LawFile, campaign: str, law: str, ladder: tuple[Rung, ...]) -> None:
     """Write, beside a law, the answer, what the studio shows of it, and the next test's drive signal."""
     from pipeclamp.show.diagnosis_views import diagnosis_view
-    from pipeclamp.studio.told import told_of
+    from pipeclamp.studio.diagnosis_shown import shown_diagnosis
     from pipeclamp_identification.campaign.drive import drive_content
     from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
     from pipeclamp_identification.workflow.next_command import next_command
 
     assert isinstance(found, RecordDiagnosed)
-    answer, told, drive = (Path(law).with_suffix(suffix) for suffix in (DIAGNOSIS, TOLD, DRIVE))
+    answer, shown, drive = (Path(law).with_suffix(suffix) for suffix in (DIAGNOSIS, SHOWN, DRIVE))
     if found.proposal:
         write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
     write_whole(answer, diagnosis_view(found, ladder, next_command(found, law, campaign)).answer.json_text())
-    write_whole(told, told_of(found, file).json_text())
+    write_whole(shown, shown_diagnosis(found, file).json_text())
 
 
 def build(tell: Progress, *, law: str, fmu: str, kind: str) -> dict[str, Any]:

@@ -74,7 +74,7 @@ def attribution_answer(found: Attribution, proposal: NextMeasurement | None) -> 
             CandidateAnswer(
                 parameters=tuple(suspect.id for suspect in entry.suspects),
                 sides=tuple(sorted({suspect.side for suspect in entry.suspects})),
-                values=entry.told(),
+                values=entry.value_words(),
                 nrmse=entry.nrmse,
                 heldout=entry.heldout / entry.refit.residual.size,
             )

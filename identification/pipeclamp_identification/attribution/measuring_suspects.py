@@ -50,7 +50,7 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         search = displacement_search(place.position_m, length)
         yield Suspect(
             id=f"{name}.position", side=SIDE, kind="a sensor's position", words=f"the position of {words}",
-            change=partial(_moved_probe, probe.name), told=partial(place_words, place.position_m),
+            change=partial(_moved_probe, probe.name), value_words=partial(place_words, place.position_m),
             starts=search.starts, lower=search.lower, upper=search.upper,
         )  # fmt: skip
     if len(names) > 1:
@@ -62,17 +62,17 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         search = displacement_search(at, length)
         yield Suspect(
             id="excitation.position", side=SIDE, kind="the excitation's position", words="where the excitation acts",
-            change=_acting_elsewhere, told=partial(place_words, at), starts=search.starts, lower=search.lower,
+            change=_acting_elsewhere, value_words=partial(place_words, at), starts=search.starts, lower=search.lower,
             upper=search.upper,
         )  # fmt: skip
     yield Suspect(
         id="frequency_axis", side=SIDE, kind="the frequency axis", words="the frequency axis (the sampling rate)",
-        change=_stretched, told=_rate_words, starts=RATE_STARTS, lower=(-MOST_RATE,), upper=(MOST_RATE,),
+        change=_stretched, value_words=_rate_words, starts=RATE_STARTS, lower=(-MOST_RATE,), upper=(MOST_RATE,),
     )  # fmt: skip
 
 
 def _gain(name: str, words: str, turned: Turned, ratios: dict[str, float]) -> Suspect:
-    def told(values: Values, errors: Values) -> str:
+    def value_words(values: Values, errors: Values) -> str:
         gain = exp(values[0])
         said = f"it reads {gain:.4g} ± {gain * errors[0]:.1g} times the truth"
         units = [unit for unit, ratio in ratios.items() if abs(log(ratio) - values[0]) < SAME_UNIT]
@@ -80,21 +80,21 @@ def _gain(name: str, words: str, turned: Turned, ratios: dict[str, float]) -> Su
 
     return Suspect(
         id=f"{name}.gain", side=SIDE, kind="a calibration", words=f"the calibration of {words}",
-        change=partial(_turned, turned, lambda value: SensorChannel(gain=exp(value))), told=told, starts=GAINS,
-        lower=(-LARGEST_GAIN,), upper=(LARGEST_GAIN,),
+        change=partial(_turned, turned, lambda value: SensorChannel(gain=exp(value))), value_words=value_words,
+        starts=GAINS, lower=(-LARGEST_GAIN,), upper=(LARGEST_GAIN,),
     )  # fmt: skip
 
 
 def _late(name: str, words: str, turned: Turned) -> Iterator[Suspect]:
     yield Suspect(
         id=f"{name}.phase", side=SIDE, kind="a phase", words=f"the phase or the sign of {words}",
-        change=partial(_turned, turned, lambda value: SensorChannel(phase=value)), told=_phase_words, starts=PHASES,
-        lower=(-FULL_TURN,), upper=(FULL_TURN,),
+        change=partial(_turned, turned, lambda value: SensorChannel(phase=value)), value_words=_phase_words,
+        starts=PHASES, lower=(-FULL_TURN,), upper=(FULL_TURN,),
     )  # fmt: skip
     yield Suspect(
         id=f"{name}.delay", side=SIDE, kind="a delay", words=f"the delay of {words}",
         change=partial(_turned, turned, lambda value: SensorChannel(delay=1e-3 * value)),
-        told=lambda values, errors: f"{values[0]:.3g} ± {errors[0]:.1g} ms late",
+        value_words=lambda values, errors: f"{values[0]:.3g} ± {errors[0]:.1g} ms late",
         starts=DELAYS, lower=(-LONGEST_DELAY,), upper=(LONGEST_DELAY,),
     )  # fmt: skip
 

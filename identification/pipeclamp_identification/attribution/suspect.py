@@ -30,7 +30,7 @@ class Suspect:
         kind: what it is, in words; suspects of one kind differ by their place.
         words: the same with its place.
         change: gives the model with values of its parameters in place; all 0 change nothing.
-        told: says values and their standard errors in the engineer's units.
+        value_words: says values and their standard errors in the engineer's units.
         starts: values at which a search begins besides 0.
         lower, upper: bounds of each parameter.
         others: values of all parameters but the first that matter only where the first isn't neutral, a place say:
@@ -42,7 +42,7 @@ class Suspect:
     kind: str
     words: str
     change: Change
-    told: Callable[[Values, Values], str]
+    value_words: Callable[[Values, Values], str]
     starts: tuple[Values, ...]
     lower: Values
     upper: Values

@@ -105,7 +105,7 @@ def _clamps(model: CoupledModel) -> Iterator[Suspect]:
                 kind="a clamp's " + role,
                 words=f"the {role} of clamp {name}",
                 change=partial(_scaled_clamp, index, tuple(parameters)),
-                told=_clamp_words,
+                value_words=_clamp_words,
                 starts=tuple((value, *(SMALL_FACTOR for _ in more)) for value in LOG_FACTORS),
                 lower=(-LARGEST_LOG_FACTOR, *(-LARGEST_LOG_FACTOR for _ in more)),
                 upper=(LARGEST_LOG_FACTOR, *(LARGEST_LOG_FACTOR for _ in more)),
@@ -161,7 +161,7 @@ def _held(pipe: PipeDescription) -> Iterator[Suspect]:
                 kind="a support's stiffness",
                 words=f"the {kind} of {words}",
                 change=partial(_held_otherwise, place, name, held.stiffness, own),
-                told=held.told,
+                value_words=held.value_words,
                 starts=held.search.starts,
                 lower=held.search.lower,
                 upper=held.search.upper,
@@ -173,7 +173,7 @@ class _Holding:
     """How one stiffness of an end or a support may be wrong: by a value, in words, within bounds."""
 
     stiffness: Callable[[float], float]
-    told: Callable[[Values, Values], str]
+    value_words: Callable[[Values, Values], str]
     search: ValueSearch
 
 
@@ -247,19 +247,19 @@ def _damping(pipe: PipeDescription) -> Suspect:
         return replace(model, pipe=model.pipe.model_copy(update={"damping": ratio}))
 
     change: Change = damped
-    told, search = partial(factor_words, "what is stated", 1.0, ""), A_FACTOR
+    value_words, search = partial(factor_words, "what is stated", 1.0, ""), A_FACTOR
     if stated.ratio:
-        told = partial(factor_words, "", 100 * stated.ratio, "% of critical")
+        value_words = partial(factor_words, "", 100 * stated.ratio, "% of critical")
     if not any(value for value in stated.model_dump().values()):
         change, search = damped_at_all, ValueSearch(((0.3,), (1.0,), (3.0,)), (0.0,), (50.0,))
-        told = partial(amount_words, 100 * SMALL_RATIO, "% of critical", "instead of none")
+        value_words = partial(amount_words, 100 * SMALL_RATIO, "% of critical", "instead of none")
     return Suspect(
         id="damping",
         side="pipe",
         kind="the pipe's damping",
         words="the pipe's own damping",
         change=change,
-        told=told,
+        value_words=value_words,
         starts=search.starts,
         lower=search.lower,
         upper=search.upper,
@@ -282,7 +282,7 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         mass = PointMass(position_m=values[1] * length, mass_kg=0.0).model_copy(update={"mass_kg": moving * values[0]})
         return replace(model, pipe=model.pipe.model_copy(update={"masses": (*model.pipe.masses, mass)}))
 
-    def told(values: Values, errors: Values) -> str:
+    def value_words(values: Values, errors: Values) -> str:
         mass = f"{moving * values[0]:+.3g} ± {one_digit(moving * errors[0])} kg"
         # of no mass the place says nothing
         return f"{mass} at {length * values[1]:.3g} ± {one_digit(length * errors[1])} m" if values[0] else mass
@@ -293,7 +293,7 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         kind="the pipe's mass",
         words="the pipe's mass per length (fill, insulation)",
         change=filled,
-        told=partial(_share_words, beam.mass_per_length, "kg/m"),
+        value_words=partial(_share_words, beam.mass_per_length, "kg/m"),
         starts=((-0.15,), (0.15,)),
         lower=(-0.7,),
         upper=(3.0,),
@@ -305,7 +305,7 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         kind="the pipe's mass",
         words="a mass on the pipe that isn't in its description",
         change=loaded,
-        told=told,
+        value_words=value_words,
         starts=tuple((share, place) for share in (0.03, 0.1) for place in places),
         lower=(0.0, 0.01),
         upper=(2.0, 0.99),

@@ -112,12 +112,12 @@ class Candidate:
         """Squares that are left, with what its parameters take away for nothing."""
         return self.refit.squared + PARAMETER_SQUARES * len(self.refit.values)
 
-    def told(self) -> str:
+    def value_words(self) -> str:
         """Say the refitted values."""
         parts = []
         for suspect in self.suspects:
             errors = self.refit.errors_of(suspect, self.overdispersion)
-            parts.append(f"{suspect.words}: {suspect.told(self.refit.values_of(suspect), errors)}")
+            parts.append(f"{suspect.words}: {suspect.value_words(self.refit.values_of(suspect), errors)}")
         return "; ".join(parts)
 
 
@@ -296,10 +296,10 @@ def _judged(
     candidates = sorted([*singles, *pairs], key=lambda one: one.unlikelihood)
     best = of_size[0]
     needs_more = _needs_more(best.refit, together)
-    told = _may_be_noise(compared, best)
-    of_noise = best.refit.residual.size if told else 0.0
+    may_be_noise = _may_be_noise(compared, best)
+    of_noise = best.refit.residual.size if may_be_noise else 0.0
     explained = (stated.refit.squared - best.refit.squared) / (stated.refit.squared - of_noise)
-    noise_only = told and best.refit.rms <= NOISE_ONLY_RMS and not needs_more
+    noise_only = may_be_noise and best.refit.rms <= NOISE_ONLY_RMS and not needs_more
     if not noise_only and explained < (PLAIN_SQUARES_SHARE if needs_more else EXPLAINED_SQUARES_SHARE):
         return found("unknown", (), candidates)
     if _hangs_on_a_branch(task, stated, best):
@@ -307,7 +307,9 @@ def _judged(
     # A rival needn't be beyond doubt by itself: it is enough that the best one doesn't rule it out.
     rivals = [one for one in of_size if one is best or (not _rules_out(best, one) and _may_help(one, stated))]
     verdict: PipeVerdict = "wrong" if len(rivals) == 1 else "ambiguous"
-    return replace(found(verdict, rivals, candidates, "cause" if noise_only else "part"), noise_unknown=not told)
+    return replace(
+        found(verdict, rivals, candidates, "cause" if noise_only else "part"), noise_unknown=not may_be_noise
+    )
 
 
 def _pairs(

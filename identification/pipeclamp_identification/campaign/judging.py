@@ -107,7 +107,7 @@ def judge_runs(
         remarks=(
             *(() if time_measured else (UNTIMED,)),
             *doubts,
-            *sensors.told,
+            *sensors.remarks,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
             *filter(None, [makes_energy(fundamentals), falls_with_displacement(fundamentals)]),

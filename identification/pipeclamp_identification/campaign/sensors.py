@@ -60,14 +60,14 @@ class Sensors:
         failed: why runs are left out, by name.
         drifts: channels whose zero's drift inside the record is to be taken off, by name of the run.
         shifts: by how much the zeros of channels are off all through the record, by name of the run.
-        told: what is to be said of them beside faults.
+        remarks: what is to be said of them beside faults.
     """
 
     faults: tuple[SensorFault, ...]
     failed: Mapping[str, SensorFailure]
     drifts: Mapping[str, Sequence[Channel]] = field(default_factory=dict)
     shifts: Mapping[str, Sequence[tuple[Channel, float]]] = field(default_factory=dict)
-    told: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     def repaired(self, run: str, record: Record, seen: SeenSine) -> Record:
         """Give the record of a run of a sine that is kept, repaired where that can be done."""
@@ -121,8 +121,8 @@ def sensors_of(runs: Sequence[Observed], free: Mapping[str, SeenFree] | None = N
         if fault.done == "corrected":
             for run, shift in zip(left, shifts_over_runs(left, fault), strict=True):
                 shifts[run.name].append((fault.channel, shift))
-    told = (*(() if zeros is None else (zero_words(zeros),)), *force_words(list(free.values())))
-    return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts, told)
+    remarks = (*(() if zeros is None else (zero_words(zeros),)), *force_words(list(free.values())))
+    return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts, remarks)
 
 
 def zeros_elsewhere(runs: Sequence[SeenRecord]) -> Array | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -92,47 +92,48 @@ class MetricScales:
 
 
 def weigh(scales: MetricScales) -> MetricWeighed:
-    """Weigh the candidates."""
-    law, told = scales.law, _scatter_words(scales.scatter)
+    """Weigh the candidates; the last reason says what is taken for scatter."""
+    found = _weighed(scales)
+    return replace(found, reasons=(*found.reasons, _scatter_words(scales.scatter)))
+
+
+def _weighed(scales: MetricScales) -> MetricWeighed:
+    law = scales.law
     usable = [each for each in scales.candidates if not each.objections and each.squares < law.squares]
     sound = [each for each in usable if each.may_be_cause]
     likely = [each for each in sound if scales.chances[each.name] < REAL_CHANCE]
     both = [each for each in scales.pairs if _outdoes(each, likely[0] if likely else None, scales)]
     if scales.much_remains or not (likely or both):
-        part = _part(usable, scales, told) if scales.lack[0] < REAL_CHANCE else None
-        return part or _nothing(sound, likely, scales, told)
+        part = _part(usable, scales) if scales.lack[0] < REAL_CHANCE else None
+        return part or _nothing(sound, likely, scales)
     best = both[0] if both else likely[0]
     share = scales.of_richest(best)
     if share < GREATER_PART_SHARE:
         patchwork = f"no effect alone explains the greater part of what is missing; the best, {best.name}, {share:.0%}"
-        return MetricWeighed("unknown", (), (patchwork, MORE_TESTS, told))
+        return MetricWeighed("unknown", (), (patchwork, MORE_TESTS))
     named = _with_rivals(best, [*both, *sound])
     if len(named) > 1:
-        return MetricWeighed("ambiguous", named, (f"dW and W at these conditions can't tell {_from(named)}", told))
+        return MetricWeighed("ambiguous", named, (f"dW and W at these conditions can't tell {_from(named)}",))
     gain = f"{_both(best)} explains {share:.0%} of what the metrics show missing"
-    return MetricWeighed("missing", (best,), (gain, *_brings(best), _by_chance(best, scales), told))
+    return MetricWeighed("missing", (best,), (gain, *_brings(best), _by_chance(best, scales)))
 
 
-def _nothing(
-    sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scales: MetricScales, told: str
-) -> MetricWeighed:
+def _nothing(sound: Sequence[MetricJudged], likely: Sequence[MetricJudged], scales: MetricScales) -> MetricWeighed:
     """Say that nothing is missing, or that nothing can be named for it."""
     law = scales.law
     if likely:
-        return MetricWeighed("unknown", (), (_remains(scales), MORE_TESTS, told))
+        return MetricWeighed("unknown", (), (_remains(scales), MORE_TESTS))
     hint = (
         f"no effect gains more than scatter does; of the likeliest, {sound[0].name}, "
         f"{_by_chance(sound[0], scales)}" if sound else "no effect gains anything"
     )  # fmt: skip
     if scales.lack[0] < REAL_CHANCE:
         more = f"{hint}; {MORE_TESTS}"
-        return MetricWeighed(
-            "unknown", (), ("what is left is more than scatter, and no effect explains it", more, told)
-        )
+        return MetricWeighed("unknown", (), ("what is left is more than scatter, and no effect explains it", more))
     if law.freedoms < FEWEST_FREEDOMS:
         few = f"{law.residual.size} metrics less {law.parameters} parameters leave too little to judge the law by"
-        return MetricWeighed("unknown", (), (few, MORE_TESTS, told))
-    return MetricWeighed("complete", (), ("what dW and W show is scatter", hint, told))
+        return MetricWeighed("unknown", (), (few, MORE_TESTS))
+    return MetricWeighed("complete", (), ("what dW and W show is scatter", hint))
 
 
 def _remains(scales: MetricScales) -> str:
@@ -140,13 +141,12 @@ def _remains(scales: MetricScales) -> str:
     return f"{' and '.join(added)} together leave more than scatter" if added else "what is left is more than scatter"
 
 
-def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> MetricWeighed | None:
+def _part(usable: Sequence[MetricJudged], scales: MetricScales) -> MetricWeighed | None:
     """Name what clearly takes most on left-out conditions, though much remains or its form isn't right; else None.
 
     Args:
         usable: candidates that nothing physical speaks against, likeliest first.
         scales: all of them.
-        told: what is taken for scatter, in words.
     """
     alone = _taking_part(usable, scales)
     both = _taking_part([each for each in scales.pairs if not each.objections], scales)
@@ -165,8 +165,8 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales, told: str) -> Me
     form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
     further = (*form, *([_remains(scales)] if scales.much_remains else []))
     if len(named) > 1:
-        return MetricWeighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", *further, told))
-    return MetricWeighed("missing", named, (takes, *_brings(best), *further, _by_chance(best, scales), told))
+        return MetricWeighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", *further))
+    return MetricWeighed("missing", named, (takes, *_brings(best), *further, _by_chance(best, scales)))
 
 
 def _taking_part(laws: Sequence[MetricJudged], scales: MetricScales) -> list[MetricJudged]:

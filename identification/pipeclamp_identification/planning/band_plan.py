@@ -9,7 +9,7 @@ from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, RUNS_OF_A_TEST, SINE
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.band import Band
-from pipeclamp_system.bands.told import PeakBand
+from pipeclamp_system.bands.response_bands import PeakBand
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from pipeclamp_models.law.file import LawFile
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem
+from pipeclamp_system.bands.response_bands import PeakBand
 from pipeclamp_system.bands.sensitivity import conditions_at
-from pipeclamp_system.bands.told import PeakBand
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import steady_clamps
@@ -111,13 +111,13 @@ class NarrowingSearch:
         known, found = self._now, list[NextLoopTest]()
         while len(found) < MOST_TESTS:
             deviation = self._deviation(known)
-            told = [self._told_of(field, known) for field in fields]
-            left = [self._left(one, known) for one in told]
+            telling = [self._telling_of_form(field, known) for field in fields]
+            left = [self._left(tests, known) for tests in telling]
             place, row = self._best(fields, left, deviation, known)
             if not left[place].size or 1 - left[place][row] / deviation < WORTH_SHARE:
                 break
-            known = self._after(told[place], row, known)
-            found.append(self._told(fields[place], row, known))
+            known = self._after(telling[place], row, known)
+            found.append(self._proposal(fields[place], row, known))
         return found
 
     def floor(self, fields: Sequence[LoopTests]) -> Band:
@@ -143,7 +143,7 @@ class NarrowingSearch:
         """Give what every test of a law leaves."""
         interval = field.law.file.range
         tested = {name: (one.minimum, one.maximum) for name, one in interval.items() if name in field.grid}
-        share = self._left(self._told_of(field, self._now), self._now) / self._deviation(self._now)
+        share = self._left(self._telling_of_form(field, self._now), self._now) / self._deviation(self._now)
         return Map(field.law.file.name, field.grid, share, self._motion(field.law), tested)
 
     def _motion(self, law: VariedLaw) -> dict[str, float]:
@@ -172,20 +172,20 @@ class NarrowingSearch:
         *_, place, row = min(choices)
         return place, row
 
-    def _left(self, told: LoopTests, known: _Known) -> Array:
-        """Give the peak's standard deviation after each test of a field, as `_told_of` gives it, mm, shape (R,)."""
-        own = self._own(told.law)
-        less = told.less(known.covariance[np.ix_(own, own)], self._wanted.by_amplitude[own])
+    def _left(self, tests: LoopTests, known: _Known) -> Array:
+        """Give the peak's standard deviation after each of tests, as `_telling_of_form` gives them, mm, shape (R,)."""
+        own = self._own(tests.law)
+        less = tests.less(known.covariance[np.ix_(own, own)], self._wanted.by_amplitude[own])
         return np.asarray(np.sqrt(np.maximum(self._deviation(known) ** 2 - less, 0.0)))
 
-    def _after(self, told: LoopTests, row: int, known: _Known) -> _Known:
-        """Give what is known after one more test of a field, as `_told_of` gives it."""
-        own, covariance = self._own(told.law), known.covariance.copy()
-        covariance[np.ix_(own, own)] = told.after(known.covariance[np.ix_(own, own)], row)
-        file = with_tests(known.files[told.law], [told.conditions(row)])
-        return _Known(covariance, {**known.files, told.law: file})
+    def _after(self, tests: LoopTests, row: int, known: _Known) -> _Known:
+        """Give what is known after one more of tests, as `_telling_of_form` gives them."""
+        own, covariance = self._own(tests.law), known.covariance.copy()
+        covariance[np.ix_(own, own)] = tests.after(known.covariance[np.ix_(own, own)], row)
+        file = with_tests(known.files[tests.law], [tests.conditions(row)])
+        return _Known(covariance, {**known.files, tests.law: file})
 
-    def _told_of(self, field: LoopTests, known: _Known) -> LoopTests:
+    def _telling_of_form(self, field: LoopTests, known: _Known) -> LoopTests:
         """Give tests that tell of a law's form on the pipe too, in the order of `_own`."""
         places = self._form(field.law).reshape(-1, len(SHARE_OF_PARAMETER))
         if not places.size:
@@ -241,7 +241,7 @@ class NarrowingSearch:
         low, high = (before.middle + share * (end - before.middle) for end in (before.low, before.high))
         return replace(band, low=low, high=high, middle=before.middle)
 
-    def _told(self, field: LoopTests, row: int, known: _Known) -> NextLoopTest:
+    def _proposal(self, field: LoopTests, row: int, known: _Known) -> NextLoopTest:
         conditions, file = field.conditions(row), field.law.file
         clamps = tuple(name for name, law in zip(self._names, self._unknown.laws, strict=True) if law is field.law)
         frequency = self._bent(self._before.frequency, self._wanted.by_frequency, known.covariance, self._wanted.off[0])

@@ -77,7 +77,7 @@ class Settled:
         """Error of the law on left-out conditions; infinite where no rung has stated it."""
         return self.ladder[-1].change.heldout.after if self.ladder else math.inf
 
-    def told(self, tests: str) -> LawFile:
+    def with_diagnosis(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
         last = LastDiagnosis(verdict=self.found.verdict, effects=self.found.effects, tests=tests, in_vain=self.in_vain)
         return self.file.model_copy(update={"diagnosis": last})
@@ -324,11 +324,11 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]
     *before, (first, *beside) = tried
     others = tuple(name for name in found.effects if name not in {steps[0].step.effect for steps in tried})
     alike = (_alike(others), _told_apart(found)) if others else ()
-    told = tuple(no_help(_in_vain(steps)) for steps in before) or found.rung()
+    before_it = tuple(no_help(_in_vain(steps)) for steps in before) or found.rung()
     proof = () if kind == "cause" or NO_PROOF in found.cautions() else (NO_PROOF,)  # one of several causes is a part
     needed = f"{first.step.effect} needs it beside it"
     return [
-        Rung(first, kind, (*told, *alike, *found.cautions(), *proof), others, "".join(alike[1:])),
+        Rung(first, kind, (*before_it, *alike, *found.cautions(), *proof), others, "".join(alike[1:])),
         *(Rung(step, kind, (needed,)) for step in beside),
     ]
 

@@ -109,7 +109,7 @@ def test_where_none_of_several_helps_the_best_was_tried_in_vain(monkeypatch):
     assert settled.found.verdict == "unknown"
     (reason,) = settled.found.reasons
     assert reason.startswith("bouc_wen was tried and not added")
-    kept = settled.told("tests").diagnosis.in_vain
+    kept = settled.with_diagnosis("tests").diagnosis.in_vain
     assert [(one.effect, one.refitted_nrmse) for one in kept] == [("bouc_wen", (0.10, 0.18)), ("play", (0.10, 0.12))]
 
 
@@ -285,7 +285,7 @@ def test_an_effect_that_went_is_not_named_at_the_end(most, monkeypatch):
     monkeypatch.setattr(change, "remove_effect", remove)
     settled = auto.add_until_settled(law(), tests, command="test", most=most)
     assert settled.found.verdict == "unknown"
-    assert [one.effect for one in settled.told("tests").diagnosis.in_vain] == ["oil_damper"]
+    assert [one.effect for one in settled.with_diagnosis("tests").diagnosis.in_vain] == ["oil_damper"]
     (reason,) = settled.found.reasons
     assert reason.startswith("oil_damper went, for the law did as well without it (1.00% -> 1.01%)")
 

@@ -13,8 +13,8 @@ from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
 from pipeclamp.studio.bench import with_candidate
+from pipeclamp.studio.diagnosis_shown import shown_diagnosis
 from pipeclamp.studio.overview import waterfall_of
-from pipeclamp.studio.told import told_of
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -208,9 +208,9 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     assert (found.verdict, found.kind, found.effects) == ("missing", "part", found.together[:1])
     assert f"Part of what is missing: {' with '.join(found.together)}." == found.headline()
     on_page = plain(diagnosis_page(file, found, "")[0].figures[0])["data"]
-    in_studio = json.loads(waterfall_of(file, told_of(found, file)).specification)["data"]
+    in_studio = json.loads(waterfall_of(file, shown_diagnosis(found, file)).specification)["data"]
     assert in_studio == on_page, "the studio promises what the page does"
-    told, both = told_of(found, file), " + ".join(found.together)
+    told, both = shown_diagnosis(found, file), " + ".join(found.together)
     assert not any("Next: " in line for line in told.lines), "the studio's buttons have commands of their own"
     assert [rung.label for rung in told.promised] == [f"+ {both}"], "neither is promised anything alone"
     pair = replace(found.diagnosis.law, effects=("bouc_wen", "slip_speed"))

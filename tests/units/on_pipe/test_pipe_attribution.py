@@ -162,8 +162,8 @@ def test_where_a_force_acts_is_a_suspect_and_moves_the_force_alone(comparison):
     assert moved.excitation.position_m == pytest.approx(1.7)
     assert moved.model_copy(update={"excitation": forced.pipe.excitation}) == forced.pipe
     assert suspect.lower == (-1.5,)
-    assert "1.7" in suspect.told((0.2,), (0.01,))
-    assert "instead of 1.5 m" in suspect.told((0.2,), (0.01,))
+    assert "1.7" in suspect.value_words((0.2,), (0.01,))
+    assert "instead of 1.5 m" in suspect.value_words((0.2,), (0.01,))
 
 
 def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(compared, found):

@@ -25,12 +25,12 @@ import pipeclamp as pc
 from pipeclamp.studio import tasks
 from pipeclamp.studio.bench import read_bench
 from pipeclamp.studio.desk import Desk, Opened
-from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
+from pipeclamp.studio.diagnosis_shown import CandidateShown, DiagnosisShown, RungShown, stamp
+from pipeclamp.studio.discovering import DiscoveryShown, discovery_in
 from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.session import SessionStep
-from pipeclamp.studio.told import ToldCandidate, ToldDiagnosis, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -110,7 +110,7 @@ def test_a_run_errs_as_compare_says(studio, campaign, home):
     answer = pc.compare(home / "law1.json", campaign).to_dict()
     for expected in answer["runs"]:
         run = studio.json(f"/c/virtual/runs/{expected['run']}?laws=law1")
-        (told,) = run["told"]
+        (told,) = run["by_law"]
         assert told["nrmse"] == pytest.approx(expected["nrmse"])
         assert told["noise_nrmse"] == pytest.approx(expected["noise_nrmse"])
         assert len(run["y"]) == len(run["measured"]) == len(run["laws"][0])
@@ -134,8 +134,8 @@ def test_a_slider_gives_the_law_with_that_value(studio, campaign, home):
     }
     other = pc.Law(law.file.model_copy(update={"coefficients": coefficients}))
     expected = {run["run"]: run["nrmse"] for run in pc.compare(other, campaign).to_dict()["runs"]}
-    assert moved["told"]["nrmse"] == pytest.approx(expected[name])
-    assert moved["told"]["nrmse"] > 0.05
+    assert moved["by_law"]["nrmse"] == pytest.approx(expected[name])
+    assert moved["by_law"]["nrmse"] > 0.05
 
 
 REFUSED = {
@@ -207,7 +207,7 @@ def test_what_is_missing_is_added_until_nothing_helps(hiding, tmp_path):
     climbed, same = read_law(Path(last)), add_until_settled(law.file, RecordTests(read_campaign(hiding)), command="")
     assert climbed.effects == ("asymmetry",)
     assert law_of(climbed).values == law_of(same.file).values
-    told = ToldDiagnosis.model_validate_json((tmp_path / "law2.told.json").read_text())
+    told = DiagnosisShown.model_validate_json((tmp_path / "law2.told.json").read_text())
     assert (told.verdict, told.law_command) == ("complete", stamp(climbed))
     assert any(words.startswith("+ asymmetry\n") and "on left-out conditions; " in words for words in said)
 
@@ -258,12 +258,12 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     """Each is a step of its own in the law's history, and remembered as a part, as on the command line."""
     law, both = read_law(home / "law1.json"), ("viscous", "asymmetry")
     fitted = pc.identify(campaign, effects=both)
-    of_both = ToldCandidate(
+    of_both = CandidateShown(
         name="viscous,asymmetry", does="one; other", looks_like="this", told_apart_by="that", heldout_nrmse=0.004,
         explained=0.9, against=(), effects=both, values=fitted.values,
     )  # fmt: skip
-    promised = ToldRung(label="+ viscous + asymmetry", heldout_nrmse=0.004, explained=0.9)
-    told = ToldDiagnosis(
+    promised = RungShown(label="+ viscous + asymmetry", heldout_nrmse=0.004, explained=0.9)
+    told = DiagnosisShown(
         law_command=stamp(law), verdict="missing", kind="part", effects=both[:1], together=both, headline="Part",
         words=("both",), rung=("both",), lines=(), heldout_nrmse=0.01, candidates=(of_both,), promised=(promised,),
         next_test="", drive=False,
@@ -325,7 +325,7 @@ def test_a_search_for_a_term_that_tests_cannot_serve_is_told(studio, home):
 def test_what_a_search_found_is_shown(studio, home):
     law = pc.open_law(home / "law1.json").file
     words, guards = ("Nothing is proposed: noise.",), (("asked", False, "why"),)
-    told = ToldDiscovery(law_command=stamp(law), proposed=False, words=words, guards=guards, law=None)
+    told = DiscoveryShown(law_command=stamp(law), proposed=False, words=words, guards=guards, law=None)
     (home / "law1.discovery_told.json").write_text(told.json_text(), encoding="utf-8")
     assert discovery_in(Project("virtual", home), "law1", law) == told
     assert discovery_in(Project("virtual", home), "law1", law.model_copy(update={"date": "another"})) is None
@@ -436,7 +436,7 @@ def test_what_was_being_done_when_the_studio_was_killed_is_told_where_it_left_a_
     for law in ("law2", "law4"):
         shutil.copy(later / "law1.json", later / f"{law}.json")
     again = Project(str(campaign), later)
-    assert [step.told() for step in again.steps[done:]] == [
+    assert [step.shell_lines() for step in again.steps[done:]] == [
         "# stopped on the way: law2 holds what had been added until then\npipeclamp makes law2",
         "pipeclamp makes law4",
     ]

@@ -14,7 +14,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.band import Band
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KIND_WORDS
-from pipeclamp_system.bands.told import PieceBand, ResponseBands
+from pipeclamp_system.bands.response_bands import PieceBand, ResponseBands
 from pipeclamp_system.steady.response import label
 from pipeclamp_system.steady.states import SteadyState
 
@@ -55,7 +55,7 @@ def run_bands_section(bands: RunBands) -> Section:
     """Give the part of a report that tells how sure a run in time is."""
     header = ("", "value", "low", "high", "unit", "parameters", "run to run", "left-out tests", "steps")
     rows: list[tuple[str | float, ...]] = [
-        (one.name, one.band.value, one.band.low, one.band.high, one.unit, *shares_of(one.band)) for one in bands.told
+        (one.name, one.band.value, one.band.low, one.band.high, one.unit, *shares_of(one.band)) for one in bands.values
     ]
     table = Table(header, rows, f"{bands.per_cent:g}% bands, and the shares of their variance")
     return Section("How sure", (*bands.words(), RUN_WORDS), [table])

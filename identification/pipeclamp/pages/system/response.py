@@ -12,7 +12,7 @@ from pipeclamp.pages.system.bands import add_band, bands_section
 from pipeclamp.pages.system.cosim import answer_section
 from pipeclamp.show.table import Table
 from pipeclamp_identification.workflow.next_step import NextStep
-from pipeclamp_system.bands.told import ResponseBands
+from pipeclamp_system.bands.response_bands import ResponseBands
 from pipeclamp_system.description.trust_mark import DOUBT
 from pipeclamp_system.steady.dots import Dot
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, label

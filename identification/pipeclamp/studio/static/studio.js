@@ -62,7 +62,7 @@ function drawnRun() {
   if (!moved) return shown;
   const last = shown.laws.length - 1;
   const among = (list, one) => [...list.slice(0, last), one, list[last]];
-  return { ...shown, laws: among(shown.laws, moved.force), told: among(shown.told, moved.told) };
+  return { ...shown, laws: among(shown.laws, moved.force), by_law: among(shown.by_law, moved.by_law) };
 }
 
 function draw() {
@@ -74,8 +74,8 @@ function draw() {
     return unit ? `${symbol} ${value} ${name.slice(symbol.length + 3)}` : `${symbol} ${value}`;
   });
   document.getElementById("conditions").textContent = [...words, `${shown.cycles} cycle${shown.cycles > 1 ? "s" : ""}`].join(", ");
-  const errors = run.told.map((each, index) => {
-    const { color, dash } = inLook(lawLine(index, run.told.length));
+  const errors = run.by_law.map((each, index) => {
+    const { color, dash } = inLook(lawLine(index, run.by_law.length));
     const sample = textOf("i", "", "line");
     sample.style.borderTopColor = color;
     sample.style.borderTopStyle = { dot: "dotted" }[dash] || (dash ? "dashed" : "solid");
@@ -83,7 +83,7 @@ function draw() {
     told.append(sample, `${each.name}: error `, textOf("b", percent(each.nrmse)));
     return told;
   });
-  const noise = run.told[0]?.noise_nrmse;
+  const noise = run.by_law[0]?.noise_nrmse;
   errors.reverse();
   if (noise) errors.push(textOf("span", `scatter ${percent(noise)}`));
   document.getElementById("errors").replaceChildren(...errors);

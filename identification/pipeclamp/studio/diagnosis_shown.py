@@ -16,7 +16,7 @@ from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict
 
 
-class ToldCandidate(AnswerModel):
+class CandidateShown(AnswerModel):
     """An effect that a diagnosis fitted with the law, or two that it names together."""
 
     name: str = Field(description="as `add` takes it: two with a comma between them")
@@ -30,7 +30,7 @@ class ToldCandidate(AnswerModel):
     values: Mapping[str, float] = Field(description="parameters of the law with it")
 
 
-class ToldRung(AnswerModel):
+class RungShown(AnswerModel):
     """What a step that a page promises would do."""
 
     label: str
@@ -38,7 +38,7 @@ class ToldRung(AnswerModel):
     explained: float | None
 
 
-class ToldDiagnosis(AnswerModel):
+class DiagnosisShown(AnswerModel):
     """A diagnosis as it is shown."""
 
     law_command: str = Field(description="the command that made the law which was diagnosed, and its date")
@@ -51,8 +51,8 @@ class ToldDiagnosis(AnswerModel):
     rung: tuple[str, ...]
     lines: tuple[str, ...] = Field(description="as the command prints them, without the next command")
     heldout_nrmse: float = Field(description="of the law as it is")
-    candidates: tuple[ToldCandidate, ...]
-    promised: tuple[ToldRung, ...] = Field((), description="the steps that the page of the diagnosis promises")
+    candidates: tuple[CandidateShown, ...]
+    promised: tuple[RungShown, ...] = Field((), description="the steps that the page of the diagnosis promises")
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
     runs: int | None = Field(None, description="of the tests that it rests on; not known of diagnoses kept long ago")
@@ -67,7 +67,7 @@ class ToldDiagnosis(AnswerModel):
         return self.kind if effect in (*self.effects, *self.offered) else None
 
 
-def told_of(found: RecordDiagnosed, file: LawFile) -> ToldDiagnosis:
+def shown_diagnosis(found: RecordDiagnosed, file: LawFile) -> DiagnosisShown:
     """Give a diagnosis as it is shown."""
     # the server, which only shows what was told, does without
     from pipeclamp.pages.diagnosis import promised
@@ -75,7 +75,7 @@ def told_of(found: RecordDiagnosed, file: LawFile) -> ToldDiagnosis:
 
     diagnosis = found.diagnosis
     both = [diagnosis.found.named] if diagnosis.found.named and found.together else []
-    return ToldDiagnosis(
+    return DiagnosisShown(
         law_command=stamp(file),
         verdict=found.verdict,
         kind=found.kind,
@@ -90,7 +90,7 @@ def told_of(found: RecordDiagnosed, file: LawFile) -> ToldDiagnosis:
             _candidate(each, diagnosis) for each in (*both, *diagnosis.candidates) if _is_finite(each.result.law.values)
         ),
         promised=tuple(
-            ToldRung(label=rung.label, heldout_nrmse=rung.errors[ESTIMATED], explained=rung.explained)
+            RungShown(label=rung.label, heldout_nrmse=rung.errors[ESTIMATED], explained=rung.explained)
             for rung in promised(diagnosis)
             if rung.promised
         ),
@@ -121,11 +121,11 @@ def _is_finite(values: Mapping[str, float]) -> bool:
     return all(map(math.isfinite, values.values()))
 
 
-def _candidate(judged: Judged, diagnosis: Diagnosis) -> ToldCandidate:
+def _candidate(judged: Judged, diagnosis: Diagnosis) -> CandidateShown:
     law = diagnosis.law
     known = {effect.name: effect for effect in judged.result.equations.effects}
     effects = [known[name] for name in judged.effects]
-    return ToldCandidate(
+    return CandidateShown(
         name=_at_once(judged.effects),
         does="; ".join(effect.does for effect in effects),
         looks_like="; ".join(effect.looks_like for effect in effects),

@@ -1,4 +1,4 @@
-"""The bands of a frequency response, and how they are told."""
+"""The bands of a frequency response, and the words and columns that say them."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def _detached_words(counts: tuple[int, int | None, int | None]) -> list[str]:
         if count is None
     ]
     if any(count not in (None, here) for count in ends):
-        told = zip(("low", "high"), ends, strict=True)
-        at_ends = [f"at the {name} end of the band {count or 'none'}" for name, count in told if count is not None]
+        named = zip(("low", "high"), ends, strict=True)
+        at_ends = [f"at the {name} end of the band {count or 'none'}" for name, count in named if count is not None]
         lines.append(f"branches apart from the curve: {here or 'none'}; {', '.join(at_ends)}")
     return lines
