@@ -24,7 +24,8 @@ from pathlib import Path
 
 import polars as pl
 
-from pipeclamp_identification.campaign.rig import TestPlan, virtual_runs
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of

@@ -21,7 +21,8 @@ import polars as pl
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
-from pipeclamp_identification.campaign.rig import RigRun, TestPlan, planned, virtual_runs
+from pipeclamp_identification.campaign.rig.plan import RigRun, TestPlan, planned
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.planning.campaign import CampaignPlan, PlanRequest, plan_campaign

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import pipeclamp as pc
-from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law, Structure
@@ -37,7 +38,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = replace(rig.TestPlan(seed=11), rate=500.0, temperatures=(20.0,), repeats=1)
+PLAN = replace(TestPlan(seed=11), rate=500.0, temperatures=(20.0,), repeats=1)
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +47,9 @@ def campaigns(tmp_path_factory):
     folder = tmp_path_factory.mktemp("discover")
     for name, size in (("with", 3.0), ("without", 0.0)):
         law = Law(Structure("power", ("hidden",), declared=(HIDDEN,)), {**BASE, "c_h": size}, 0.0126, 0.002)
-        write_campaign(folder / name, rig.virtual_runs(law, PLAN), name=name, notes="")
+        write_campaign(folder / name, virtual_runs(law, PLAN), name=name, notes="")
     law = Law(Structure("power", ("hidden",), declared=(SPRING,)), {**BASE, "F_h": 60.0, "l_h": 0.2}, 0.0126, 0.002)
-    write_campaign(folder / "spring", rig.virtual_runs(law, PLAN), name="spring", notes="")
+    write_campaign(folder / "spring", virtual_runs(law, PLAN), name="spring", notes="")
     return folder
 
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import check_samples
-from pipeclamp_identification.campaign.rig import TestPlan, virtual_runs
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.identify import identify
 from pipeclamp_identification.fitting.misfit import overall_nrmse

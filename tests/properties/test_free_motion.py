@@ -8,8 +8,8 @@ import pytest
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.campaign.rig import TestPlan as Plan
-from pipeclamp_identification.campaign.rig import virtual_runs
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.comparison.answer import comparison_answer
 from pipeclamp_identification.comparison.compare import compare

@@ -27,8 +27,9 @@ from project import EXAMPLES
 from pipeclamp_fmu.build import build_clamp
 from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_identification.campaign.drive import read_drive
-from pipeclamp_identification.campaign.rig import TestPlan as Plan
-from pipeclamp_identification.campaign.rig import truth_of, virtual_runs
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
+from pipeclamp_identification.campaign.rig.truth import truth_of
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.on_pipe.measurement import read_measurement
 from pipeclamp_identification.workflow.reading import read_tests

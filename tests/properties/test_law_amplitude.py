@@ -10,8 +10,9 @@ import pytest
 from project import BUILD_SCRIPTS
 
 from pipeclamp_fmu.build import build_clamp
-from pipeclamp_identification.campaign import rig as virtual
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance, law_of, read_law
@@ -19,7 +20,7 @@ from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import read_system
 
-PLAN = virtual.TestPlan(
+PLAN = TestPlan(
     (0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0
 )
 MEMORY = {"k10": 1500.0, "c0": 0.5, "k_s1": 600.0, "z_s1": 40.0, "k_s2": 600.0, "z_s2": 140.0}
@@ -31,7 +32,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None
     folder = tmp_path_factory.mktemp("modes")
     write_law(folder / "memory.json", {**MEMORY, "alpha0": 1.0}, "power", ("memory:2",))
     truth = read_law(folder / "memory.json")
-    write_campaign(folder / "virtual", virtual.virtual_runs(law_of(truth), PLAN), name="virtual", notes="")
+    write_campaign(folder / "virtual", virtual_runs(law_of(truth), PLAN), name="virtual", notes="")
     campaign = read_campaign(folder / "virtual")
     fitted = law_file(identify(campaign), campaign, name="law", provenance=Provenance("test"))
     (folder / "law.json").write_text(fitted.model_dump_json(by_alias=True), encoding="utf-8")

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_models.law.law import Law, Structure
@@ -17,7 +18,7 @@ TRUTH = {
     "k_s": 900.0, "z_s": 150.0, "k2": 60.0,
 }  # fmt: skip
 """Elastic slip, and halves that are pressed unequally."""
-PLAN = rig.TestPlan(temperatures=(20.0, 300.0), rate=500.0, seed=5)
+PLAN = TestPlan(temperatures=(20.0, 300.0), rate=500.0, seed=5)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +26,7 @@ def campaign(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stays") / "campaign"
     structure = Structure("power", ("memory", "asymmetry"))
     law = Law(structure, {name: TRUTH[name] for name in structure.equations.names}, 0.0126, 0.002)
-    write_campaign(folder, rig.virtual_runs(law, PLAN), name="virtual", notes="")
+    write_campaign(folder, virtual_runs(law, PLAN), name="virtual", notes="")
     return read_campaign(folder)
 
 

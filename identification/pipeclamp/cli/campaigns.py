@@ -102,8 +102,10 @@ def rig(
 ) -> None:
     """A virtual campaign of a law: would this test plan see that effect?"""
     from pipeclamp.show.effects import truth_table
-    from pipeclamp_identification.campaign import rig as virtual
     from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, read_drive
+    from pipeclamp_identification.campaign.rig.plan import TestPlan, driven, planned
+    from pipeclamp_identification.campaign.rig.runs import virtual_runs
+    from pipeclamp_identification.campaign.rig.truth import beyond_range, truth_of
     from pipeclamp_identification.campaign.writing import write_campaign
     from pipeclamp_identification.planning.schedule import read_plan
     from pipeclamp_identification.workflow.next_command import after_import
@@ -113,7 +115,7 @@ def rig(
     _refuse_beside(context, "--drive", drive, OF_NO_DRIVE, "motion")
     with showing_progress("rig") as tell:
         runs_of = read_plan(plan) if plan else ()
-        asked = virtual.TestPlan(
+        asked = TestPlan(
             amplitudes=numbers_in(amplitudes, "--amplitudes"),
             frequencies=numbers_in(frequencies, "--frequencies"),
             temperatures=numbers_in(temperatures, "--temperatures"),
@@ -140,16 +142,16 @@ def rig(
             seed=seed,
         )
         if drive:
-            asked = virtual.driven(asked, read_drive(drive))
+            asked = driven(asked, read_drive(drive))
         if runs_of:
-            asked = virtual.planned(replace(asked, cycles=FULL_CYCLES, ramp_cycles=RAMP_CYCLES), runs_of)
+            asked = planned(replace(asked, cycles=FULL_CYCLES, ramp_cycles=RAMP_CYCLES), runs_of)
         ids, declarations = read_effects(names_in(effects), declared or ())
         file = opened_law(law)
-        truth = virtual.truth_of(file, ids, values_in(set_values), asked, declarations)
-        runs = virtual.virtual_runs(truth.law, asked, truth.conditions)
+        truth = truth_of(file, ids, values_in(set_values), asked, declarations)
+        runs = virtual_runs(truth.law, asked, truth.conditions)
         notes = f"Virtual rig: {command_called()}"
         count = write_campaign(output, runs, name=output.name, notes=notes, format=format.value, progress=tell)
-    for words in virtual.beyond_range(file, asked):
+    for words in beyond_range(file, asked):
         warn(f"beyond the law's data: {words}")
     if truth.whence:
         print_table(truth_table(truth))

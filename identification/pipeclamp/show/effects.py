@@ -16,7 +16,7 @@ from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
 from pipeclamp_models.realise.sizes import number_of
 
 if TYPE_CHECKING:
-    from pipeclamp_identification.campaign.rig import Truth
+    from pipeclamp_identification.campaign.rig.truth import Truth
 
 PART_WORDS = {
     "base": "term of base laws",

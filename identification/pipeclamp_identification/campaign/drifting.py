@@ -16,6 +16,12 @@ import numpy as np
 
 from pipeclamp_identification.campaign.clipping import CHANNEL_COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
+from pipeclamp_identification.campaign.drift_words import (
+    built_up_words,
+    gain_drift_words,
+    zero_drift_words,
+    zero_or_position_words,
+)
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, runs_named
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.records import Record
@@ -142,6 +148,16 @@ class InRecord:
     goes_on: tuple[bool, bool]
     """Whether the drifts of mean force and mean displacement go on."""
 
+    @property
+    def force_of_position(self) -> float:
+        """By how much the mean force would change if the clamp moved as the mean displacement does, as a share."""
+        return abs(self.stiffness_share * self.mean_displacement.size)
+
+    @property
+    def force_shows_position(self) -> bool:
+        """Whether that stands out of the scatter of the mean force."""
+        return self.force_of_position > SEEN_STANDARD_ERRORS * self.mean_force.error
+
 
 def drifting(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
     """Find the sensors that drift inside records; what was done says what `repaired` and the reader do."""
@@ -151,8 +167,8 @@ def drifting(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
             None,
             (
                 _fault(_force_zeros(found), "force", "zero_drift", "N", "corrected", runs),
-                _fault(_displacement_zeros(found, True), "displacement", "zero_drift", "mm", "corrected", runs),
-                _fault(_displacement_zeros(found, False), "displacement", "zero_drift", "mm", "kept", runs),
+                _fault(_displacement_zeros(found), "displacement", "zero_drift", "mm", "corrected", runs),
+                _fault(_zeros_or_positions(found), "displacement", "zero_drift", "mm", "kept", runs),
                 _fault(_force_gains(found), "force", "gain_drift", "share", "left out", runs),
                 _fault(_displacement_gains(found, runs), "displacement", "gain_drift", "share", "left out", runs),
             ),
@@ -263,23 +279,29 @@ def _of_all(changes: Sequence[Change]) -> bool:
     return Change(float(np.mean(sizes)), error, len(sizes) - 1).is_real(1, ZERO_SHARE)
 
 
-def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> FoundChanges:
-    """Find mean positions that drift.
+def _displacement_zeros(found: Mapping[str, InRecord]) -> FoundChanges:
+    """Find mean displacements that drift while the force, which would show it, says that the clamp didn't move."""
+    return {
+        run: one.mean_displacement
+        for run, one in _drifting_displacements(found).items()
+        if one.force_shows_position and abs(one.mean_force.size) < FOLLOWED_SHARE * one.force_of_position
+    }
 
-    Args:
-        found: what changes in each run.
-        told: whether the force tells that the clamp didn't move, or can't tell. Where it follows, the clamp did.
-    """
+
+def _zeros_or_positions(found: Mapping[str, InRecord]) -> FoundChanges:
+    """Find mean displacements that drift where the force is too small to tell whether the clamp moved."""
+    drifting = _drifting_displacements(found)
+    return {run: one.mean_displacement for run, one in drifting.items() if not one.force_shows_position}
+
+
+def _drifting_displacements(found: Mapping[str, InRecord]) -> dict[str, InRecord]:
+    """Find the runs whose mean displacement drifts, whatever drifts it."""
     every = _of_all([one.mean_displacement for one in found.values()])
-    drifts = {}
-    for run, one in found.items():
-        force = abs(one.stiffness_share * one.mean_displacement.size)
-        seen = force > SEEN_STANDARD_ERRORS * one.mean_force.error
-        stays = abs(one.mean_force.size) < FOLLOWED_SHARE * force
-        real = one.goes_on[1] and one.mean_displacement.is_real(len(found), ZERO_SHARE)
-        if (every or real) and seen is told and (stays or not told):
-            drifts[run] = one.mean_displacement
-    return drifts
+    return {
+        run: one
+        for run, one in found.items()
+        if every or (one.goes_on[1] and one.mean_displacement.is_real(len(found), ZERO_SHARE))
+    }
 
 
 def _force_gains(found: Mapping[str, InRecord]) -> FoundChanges:
@@ -345,55 +367,17 @@ def _fault(
     share = f"{abs(drifts[worst].size):.1%} of the amplitude"
     shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"
     if kind == "gain_drift":
-        words = _gain_words(channel, f"by {size:+.2%} (standard error {100 * error:.1g}%) {where}", done)
+        words = gain_drift_words(channel, f"by {size:+.2%} (standard error {100 * error:.1g}%) {where}", done)
     elif done == "kept":
-        words = _zero_or_mean_words(f"{shown} {where}")
+        words = zero_or_position_words(f"{shown} {where}")
     elif channel == "force" and _grows_with_amplitude(sizes, runs):
-        words = _built_up_words(f"{shown} {where}")
+        words = built_up_words(f"{shown} {where}")
     else:
-        words = _zero_words(channel, f"{shown} {where}")
+        words = zero_drift_words(channel, f"{shown} {where}")
     return SensorFault(
         channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,
         runs=tuple(FaultyRun(run=run, size=one.size, standard_error=one.error) for run, one in sizes.items()),
     )  # fmt: skip
-
-
-def _zero_or_mean_words(shown: str) -> str:
-    return (
-        f"the zero of the displacement channel drifts, or the mean position does: {shown}; the force "
-        "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
-        "stays while the machine rests"
-    )
-
-
-def _built_up_words(shown: str) -> str:
-    return (
-        f"the mean force drifts: {shown}; its loop and its position stay, but it drifts more at large "
-        "amplitudes, which no amplifier knows: something in the specimen builds up while it is worked (a pressure, "
-        "heat, creep), which no law here follows; the drift is taken off, and the mean force of these records "
-        "counts for nothing; to do: let it run until the mean stays, then record"
-    )
-
-
-def _zero_words(channel: Channel, shown: str) -> str:
-    stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
-    return (
-        f"the zero of the {channel} channel drifts: {shown}; {stays}, so it is no spring or damper of the "
-        "clamp's; the drift is taken off, and the mean force of these records counts for nothing, as nobody knows "
-        "where it stood; to do: let the amplifier warm up and the specimen settle, and set the zero before each run"
-    )
-
-
-def _gain_words(channel: Channel, shown: str, done: Done) -> str:
-    told = (
-        "stiffness and damping change in one ratio, as no effect does to both"
-        if channel == "force"
-        else "the force stays, though it follows the amplitude from run to run"
-    )
-    return (
-        f"the gain of the {channel} channel drifts: {shown}; {told}; {_done_words(done)}; to do: calibrate it, and "
-        "repeat these runs"
-    )
 
 
 def _grows_with_amplitude(sizes: Mapping[str, Change], runs: Sequence[Watched]) -> bool:
@@ -407,10 +391,6 @@ def _grows_with_amplitude(sizes: Mapping[str, Change], runs: Sequence[Watched]) 
     slope = float(x @ y / (x @ x))
     error = math.sqrt(float(np.sum((y - slope * x) ** 2)) / (len(x) - 2) / float(x @ x))
     return slope > 0 and chance_of(slope, error, len(x) - 2) < FALSE_ALARM_CHANCE
-
-
-def _done_words(done: Done) -> str:
-    return "left out" if done == "left out" else "too many to leave out: what is said of physics may be this fault's"
 
 
 def conditions_basis(runs: Sequence[Watched], leave: Sequence[str] = (), pairs: bool = False) -> Array:

@@ -80,26 +80,22 @@ def judge_runs(
     if wrong := contradicted_units(stated):
         raise UserError(f"{folder}: {wrong}")
     doubts = unlikely_units(stated)
-    left_out = {row.run: one for row in rows if isinstance(one := seen[row.run], LeftOut)}
-    shown = {run: one.shown for run, (_, one) in sines.items()} | {run: one.shown for run, one in free.items()}
-    left_out |= {run: LeftOut(run, why) for run, why in implausible(shown).items()}
-    observed = [_observed(row, one) for run, (row, one) in sines.items() if run not in left_out]
-    moving = {run: one for run, one in free.items() if run not in left_out}
-    sensors = sensors_of(observed, moving)
-    left_out |= {run: LeftOut(run, str(failure), failure) for run, failure in sensors.failed.items()}
-    lost = tuple(left_out[row.run] for row in rows if row.run in left_out)
-    if lost and (strict or len(lost) == len(rows)):
-        heading = f"{folder}: {len(lost)} of {len(rows)} runs can't be used; mend their records"
-        remedy = ", take their rows out of runs.csv, or don't be strict" if len(lost) < len(rows) else ""
-        raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in lost)]))
-    kept = {run: one for run, one in sines.items() if run not in left_out}
+    unusable = {row.run: one for row in rows if isinstance(one := seen[row.run], LeftOut)}
+    unusable |= _implausible(sines, free)
+    moving = {run: one for run, one in free.items() if run not in unusable}
+    sensors = sensors_of([_observed(row, one) for run, (row, one) in sines.items() if run not in unusable], moving)
+    unusable |= {run: LeftOut(run, str(failure), failure) for run, failure in sensors.failed.items()}
+    left_out = tuple(unusable[row.run] for row in rows if row.run in unusable)
+    if left_out and (strict or len(left_out) == len(rows)):
+        raise _unusable_runs(folder, left_out, len(rows))
+    kept = {run: one for run, one in sines.items() if run not in unusable}
     settings, contradicted = _settings(kept)
     fundamentals = {run: one.shown for run, (_, one) in kept.items()}
-    failures = [(one.run, one.failure) for one in lost if one.failure and one.run not in sensors.failed]
+    failures = [(one.run, one.failure) for one in left_out if one.failure and one.run not in sensors.failed]
     return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
         free=moving,
-        left_out=lost,
+        left_out=left_out,
         settings=settings,
         sensors=sensors,
         faults=(*faults_of_failures(failures), *sensors.faults),
@@ -114,6 +110,19 @@ def judge_runs(
             *_moving_from_the_start(moving),
         ),
     )
+
+
+def _implausible(sines: Mapping[str, tuple[RunRow, SeenSine]], free: Mapping[str, SeenFree]) -> dict[str, LeftOut]:
+    """Give the runs whose loops no clamp makes, beside all others."""
+    shown = {run: one.shown for run, (_, one) in sines.items()} | {run: one.shown for run, one in free.items()}
+    return {run: LeftOut(run, why) for run, why in implausible(shown).items()}
+
+
+def _unusable_runs(folder: Path, left_out: Sequence[LeftOut], count: int) -> UserError:
+    """Give the error that names the runs, of so many, that can't be used, and says what to do."""
+    remedy = ", take their rows out of runs.csv, or don't be strict" if len(left_out) < count else ""
+    heading = f"{folder}: {len(left_out)} of {count} runs can't be used; mend their records{remedy}"
+    return UserError("\n".join([heading, *(f"  {one}" for one in left_out)]))
 
 
 def _stated(row: RunRow, seen: SeenSine) -> ShownRun:

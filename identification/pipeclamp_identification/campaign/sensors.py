@@ -97,10 +97,10 @@ def sensors_of(runs: Sequence[Observed], free: Mapping[str, SeenFree] | None = N
     """
     free = free or {}
     failed = {**_at_the_end_of_their_range(runs), **_dead(runs)}
-    faults = list(faults_of_failures(list(failed.items())))
+    broken = faults_of_failures(list(failed.items()))
     runs = [run for run in runs if run.name not in failed]
     if not runs and not free:
-        return Sensors(tuple(faults), failed)
+        return Sensors(broken, failed)
     zeros = zeros_elsewhere([*(run.seen for run in runs), *free.values()])
     shifts: dict[str, list[tuple[Channel, float]]] = {name: [] for name in (*(run.name for run in runs), *free)}
     if zeros is not None:
@@ -108,21 +108,35 @@ def sensors_of(runs: Sequence[Observed], free: Mapping[str, SeenFree] | None = N
             shifts[name].append(("displacement", zero))
     watched = _watched(runs, np.zeros(len(runs)) if zeros is None else zeros) if runs else []
     drifts = drifting(watched) if watched else ()
-    taken_off: dict[str, list[Channel]] = {run.name: [] for run in runs}
-    for fault in drifts:
-        for one in fault.runs:
-            if fault.done == "corrected":
-                taken_off[one.run].append(fault.channel)
-            elif fault.done == "left out":
-                failed[one.run] = SensorFailure(fault.words, fault.channel, fault.fault, one.size, fault.unit)
-    left = [one for one in watched if one.name not in failed]
-    over_runs = drifting_over_runs(left) if left else ()
+    failed |= _failures_of(drifts)
+    kept = [run for run in watched if run.name not in failed]
+    over_runs = drifting_over_runs(kept) if kept else ()
     for fault in over_runs:
         if fault.done == "corrected":
-            for run, shift in zip(left, shifts_over_runs(left, fault), strict=True):
+            for run, shift in zip(kept, shifts_over_runs(kept, fault), strict=True):
                 shifts[run.name].append((fault.channel, shift))
     remarks = (*(() if zeros is None else (zero_words(zeros),)), *force_words(list(free.values())))
-    return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts, remarks)
+    return Sensors((*broken, *drifts, *over_runs), failed, _taken_off(drifts), shifts, remarks)
+
+
+def _failures_of(drifts: Sequence[SensorFault]) -> dict[str, SensorFailure]:
+    """Give why runs are left out for a drift, by name."""
+    return {
+        run.run: SensorFailure(fault.words, fault.channel, fault.fault, run.size, fault.unit)
+        for fault in drifts
+        if fault.done == "left out"
+        for run in fault.runs
+    }
+
+
+def _taken_off(drifts: Sequence[SensorFault]) -> dict[str, list[Channel]]:
+    """Give the channels whose drift is to be taken off, by name of the run."""
+    channels: dict[str, list[Channel]] = {}
+    for fault in drifts:
+        if fault.done == "corrected":
+            for run in fault.runs:
+                channels.setdefault(run.run, []).append(fault.channel)
+    return channels
 
 
 def zeros_elsewhere(runs: Sequence[SeenRecord]) -> Array | None:

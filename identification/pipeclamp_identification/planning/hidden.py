@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from pipeclamp_identification.campaign.rig import TestPlan, truth_of
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.truth import truth_of
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD
 from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE, mean_squares_of, real_harmonics_of
 from pipeclamp_models.base.arrays import Array

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeclamp_identification.campaign.rig import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, drivable_grid, reach_around
 from pipeclamp_identification.diagnosis.further_test.outlook import (
     HARMONICS_FORETOLD,

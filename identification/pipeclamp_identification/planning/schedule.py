@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
-from pipeclamp_identification.campaign.rig import RigRun, plain_name
+from pipeclamp_identification.campaign.rig.plan import RigRun, plain_name
 from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text

@@ -9,7 +9,9 @@ import pytest
 
 from pipeclamp_identification.campaign.drive import Drive, DrivePlan, Profile, drive_content, read_drive
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig import TestPlan, driven, truth_of, virtual_runs
+from pipeclamp_identification.campaign.rig.plan import TestPlan, driven
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
+from pipeclamp_identification.campaign.rig.truth import truth_of
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
 from pipeclamp_identification.loops.loops import loops_of

@@ -9,9 +9,10 @@ import pytest
 from pipeclamp.pages.diagnosis import evidence_sections
 from pipeclamp.pages.page import render
 from pipeclamp.show.diagnosis import next_test_lines
-from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, drive_content, read_drive
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.rig.plan import TestPlan, driven
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
@@ -21,7 +22,7 @@ from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Provenance, law_of
 
-NARROW = rig.TestPlan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
+NARROW = TestPlan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
 """Two neighbouring frequencies: the stiffness that follows f could as well be inertia."""
 
 
@@ -31,7 +32,7 @@ def virtual(tmp_path_factory):
 
     def made(plan, seed=0):
         folder = tmp_path_factory.mktemp("next") / f"campaign{seed}"
-        runs = rig.virtual_runs(law_of(open_law("emwm2")), replace(plan, seed=seed))
+        runs = virtual_runs(law_of(open_law("emwm2")), replace(plan, seed=seed))
         write_campaign(folder, runs, name=folder.name, notes="")
         return read_campaign(folder)
 
@@ -59,7 +60,7 @@ def test_the_proposed_test_tells_the_rivals_apart(virtual, narrow, law, answer, 
     assert set(answer.diagnosis.effects) == {"stiffness_frequency", "inertia", "inner_mass"}
     path = tmp_path / "drive.csv"
     path.write_bytes(drive_content(answer.proposal.plan.signal(), path))
-    plan = rig.driven(replace(NARROW, rate=1000.0, repeats=RUNS_OF_A_TEST), read_drive(path))
+    plan = driven(replace(NARROW, rate=1000.0, repeats=RUNS_OF_A_TEST), read_drive(path))
     write_campaign(tmp_path / "all", joined_runs([narrow, virtual(plan, 1)]), name="all", notes="")
     settled = diagnosed(law, read_campaign(tmp_path / "all")).diagnosis
     assert settled.effects[0] == "stiffness_frequency"

@@ -31,8 +31,9 @@ from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_o
 from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.session import SessionStep
-from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -47,14 +48,14 @@ from pipeclamp_models.pipe.modes import finite_elements
 from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.description.system import SystemDescription
 
-PLAN = rig.TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
+PLAN = TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
 JOBS = "/c/virtual/jobs"
 
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tests") / "virtual"
-    write_campaign(folder, rig.virtual_runs(law_of(open_law("emwm2")), PLAN), name="virtual", notes="")
+    write_campaign(folder, virtual_runs(law_of(open_law("emwm2")), PLAN), name="virtual", notes="")
     return folder
 
 
@@ -191,9 +192,7 @@ def power_law(campaign, **effects):
 def hiding(campaign, tmp_path_factory):
     """A campaign of a clamp whose two halves are pressed unequally."""
     folder = tmp_path_factory.mktemp("hiding") / "hiding"
-    write_campaign(
-        folder, rig.virtual_runs(power_law(campaign, asymmetry={"k2": 200.0}), PLAN), name="hiding", notes=""
-    )
+    write_campaign(folder, virtual_runs(power_law(campaign, asymmetry={"k2": 200.0}), PLAN), name="hiding", notes="")
     return folder
 
 
@@ -214,7 +213,7 @@ def test_what_is_missing_is_added_until_nothing_helps(hiding, tmp_path):
 
 def test_a_ladder_that_adds_nothing_leaves_the_diagnosis_of_the_law(campaign, tmp_path):
     tests = tmp_path / "plain"
-    write_campaign(tests, rig.virtual_runs(power_law(campaign), PLAN), name="plain", notes="")
+    write_campaign(tests, virtual_runs(power_law(campaign), PLAN), name="plain", notes="")
     first, last = (tmp_path / f"law{number}.json" for number in (1, 2))
     pc.identify(tests).save(first)
     given = {"campaign": str(tests), "limits": "", "command": "pipeclamp diagnose"}
