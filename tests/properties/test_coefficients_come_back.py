@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import check_samples
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.identify import identify
@@ -21,9 +21,9 @@ from pipeclamp_models.law.law import Law, Structure, smoothing
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
-TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
+Plan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
 CAMPAIGNS = 20
-PLAN = TestPlan(temperatures=(20.0, 150.0, 300.0), cycles=4.0, rate=250.0)
+PLAN = Plan(temperatures=(20.0, 150.0, 300.0), cycles=4.0, rate=250.0)
 PERFECT = replace(
     PLAN,
     rate=1000.0,
@@ -51,7 +51,7 @@ few = settings(
 )
 
 
-def campaign_of(law: Law, plan: TestPlan) -> Campaign:
+def campaign_of(law: Law, plan: Plan) -> Campaign:
     """The virtual rig's campaign as its reader would give it, without the way over the disk."""
     runs = []
     for virtual in virtual_runs(law, plan):

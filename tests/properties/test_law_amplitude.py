@@ -11,7 +11,7 @@ from project import BUILD_SCRIPTS
 
 from pipeclamp_fmu.build import build_clamp
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.identify import identify, law_file
@@ -20,9 +20,7 @@ from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import read_system
 
-PLAN = TestPlan(
-    (0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0
-)
+PLAN = Plan((0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0)
 MEMORY = {"k10": 1500.0, "c0": 0.5, "k_s1": 600.0, "z_s1": 40.0, "k_s2": 600.0, "z_s2": 140.0}
 
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from pipeclamp_identification.campaign.drive import Drive, DrivePlan, Profile, drive_content, read_drive
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan, driven
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
+from pipeclamp_identification.campaign.rig.plan import driven
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.further_test.limits import (
@@ -107,7 +108,7 @@ def test_limits_are_read_as_they_are_said(limits: Limits):
 def diagnosis(tmp_path_factory):
     """An ambiguous diagnosis of a campaign at two neighbouring frequencies."""
     folder = tmp_path_factory.mktemp("limits") / "narrow"
-    plan = TestPlan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
+    plan = Plan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
     write_campaign(folder, virtual_runs(law_of(open_law("emwm2")), plan), name="narrow", notes="")
     return diagnose(Structure("power"), read_campaign(folder))
 
@@ -147,6 +148,6 @@ def test_a_drive_signal_comes_back_from_its_file(scratch, profile, amplitude, fr
     np.testing.assert_array_equal(again.displacement_mm, drive.displacement_mm)
     assert (drive.displacement_mm[0], drive.displacement_mm[-1]) == pytest.approx((0.0, 0.0), abs=1e-9)
     # a rig takes its fundamental for what it is, small cycles and ramps or not
-    plan = driven(TestPlan(temperatures=(20.0,)), again)
+    plan = driven(Plan(temperatures=(20.0,)), again)
     assert plan.amplitudes[0] == pytest.approx(amplitude, rel=6e-3)
     assert plan.frequencies[0] == pytest.approx(frequency, rel=6e-3)

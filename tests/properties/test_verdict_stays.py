@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.verdict import diagnose
@@ -18,7 +18,7 @@ TRUTH = {
     "k_s": 900.0, "z_s": 150.0, "k2": 60.0,
 }  # fmt: skip
 """Elastic slip, and halves that are pressed unequally."""
-PLAN = TestPlan(temperatures=(20.0, 300.0), rate=500.0, seed=5)
+PLAN = Plan(temperatures=(20.0, 300.0), rate=500.0, seed=5)
 
 
 @pytest.fixture(scope="module")

@@ -63,11 +63,10 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
         "speaks against it",
     )
     caption = (
-        "each effect is fitted together with the law, which gives an estimate of its error on left-out tests (refits "
-        "without them, as the rungs of --auto tell, give another number); best first, by their squares in units of the "
-        "noise"
+        "the law with each effect, best first by the squared error on left-out tests in units of the noise; the errors "
+        "are estimates from one fit to all tests: --auto refits without the left-out ones, and gives other numbers"
     )
-    return Table(header, rows, f"{caption}; {', '.join(idle)}: of no help" if idle else caption)
+    return Table(header, rows, f"{caption}; no help: {', '.join(idle)}" if idle else caption)
 
 
 def helpful(diagnosis: Diagnosis) -> list[Judged]:

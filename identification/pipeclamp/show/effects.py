@@ -99,4 +99,4 @@ def truth_table(truth: Truth) -> Table:
         for one in truth.law.equations.parameters
         if one.name in truth.whence
     ]
-    return Table(("parameter", "unit", "value", "whence", "meaning"), rows)
+    return Table(("parameter", "unit", "value", "from", "meaning"), rows)

@@ -105,7 +105,7 @@ def laws_table(laws: Sequence[tuple[LawFile, float, float | None]]) -> Table:
         for label, (file, error, scatter) in zip(labels, laws, strict=True)
     ]
     header = ("law", "made of", "RMS error / %", "scatter / %", "error over scatter")
-    return Table(header, rows, "the same runs; 1 is as good as can be")
+    return Table(header, rows, "all on the same runs; an error over scatter of 1 is the best possible")
 
 
 def least_words(files: Sequence[LawFile], place: int) -> str:
@@ -200,10 +200,10 @@ def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
     before, after = history[-steps - 1].nrmse, history[-1].nrmse
     if history[-1].few_settings and before > STILL_AS_GOOD * after:
         return (
-            f"Left-out conditions can't tell whether {names} helps: without one of so few settings the others hardly "
-            "tell what each condition does, and not what conditions do together. The error there goes "
-            f"{without:.2%} -> {having:.2%}, on the runs used {before:.2%} -> {after:.2%}; test further levels of what "
-            "varies"
+            f"Left-out conditions can't tell whether {names} helps: these tests have so few settings that, without "
+            "one of them, the others hardly show what each condition does. The error on left-out conditions goes "
+            f"{without:.2%} -> {having:.2%}, that on the runs used {before:.2%} -> {after:.2%}; test at more levels of "
+            "what varies"
         )
     said, did = "The error", "doesn't fall"
     if having > STILL_AS_GOOD * without:

@@ -23,7 +23,7 @@ CANDIDATES_PRINTED = 8
 def attribution_words(found: Attribution | None, proposal: NextMeasurement | None) -> list[str]:
     """Say what is wrong; the first sentence is the verdict. None: too little was measured to ask."""
     if found is None:
-        return [f"Which parameter may be wrong is asked of {FEWEST_VALUES} measured values at least."]
+        return [f"To ask which parameter may be wrong takes at least {FEWEST_VALUES} measured values."]
     words = [_headline(found)]
     if found.verdict in ("wrong", "ambiguous"):
         words += [f"{sentence(entry.value_words())} {_left(entry, found)}" for entry in found.named]
@@ -48,8 +48,8 @@ def attribution_words(found: Attribution | None, proposal: NextMeasurement | Non
         words.append(f"The best refit is {best.value_words()}. {_left(best, found)}")
     if found.noise_unknown:
         words.append(
-            f"More is left than the {PLAUSIBLE_NOISE_NRMSE:.0%} that tests on pipes scatter by at most, as a rule; no "
-            "sine was repeated, which alone would tell that it is noise."
+            f"The error that is left is more than {PLAUSIBLE_NOISE_NRMSE:.0%}, by which tests on pipes scatter at "
+            "most, as a rule. Only repeated sines tell whether it is noise, and none was repeated."
         )
     if proposal is not None:
         words.append(proposal.words())

@@ -214,12 +214,7 @@ def _candidate(candidate: Judged, diagnosis: Diagnosis) -> CandidateAnswer:
         lack_of_fit=candidate.lack.share,
         explained=explained_share(candidate, diagnosis.law),
         objections=(*candidate.objections, *candidate.reservations),
-        parameters={
-            parameter.name: candidate.result.law.values[parameter.name]
-            for effect in candidate.result.equations.effects
-            if effect.name in candidate.effects
-            for parameter in effect.parameters
-        },
+        parameters=candidate.result.values_of(candidate.effects),
     )
 
 

@@ -16,12 +16,11 @@ from scipy.optimize import brentq
 
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter, directions
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Poolings
-from pipeclamp_identification.fitting.observations import LoopObservations
+from pipeclamp_identification.fitting.observations import WeightedLoops
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis, trends
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce
-from pipeclamp_models.realise.motion import Motion
 
 WHITE_FROM = 5
 """Harmonics from this one on show the white level of a run."""
@@ -208,43 +207,16 @@ def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array, 
 
 
 @dataclass(frozen=True)
-class WhitenedObservations:
+class WhitenedObservations(WeightedLoops):
     """Harmonics of loops in units in which noise is independent with variance one.
 
     Attributes:
-        loops: the harmonics as they were measured.
         whitener: shape (R, m, m).
         factors: random factors of groups, where they have any; the units then are those of noise and factors together.
     """
 
-    loops: LoopObservations
     whitener: Array
     factors: GroupFactors | None = None
-
-    @property
-    def motion(self) -> Motion:
-        """The measured motions."""
-        return self.loops.motion
-
-    @property
-    def force_amplitude(self) -> Array:
-        """Half the range of the measured force, N, shape (R,)."""
-        return self.loops.force_amplitude
-
-    @property
-    def are_linear(self) -> bool:
-        """As harmonics are."""
-        return True
-
-    @property
-    def deny_constant_force(self) -> bool:
-        """Whether forces at rest before the tests do."""
-        return self.loops.deny_constant_force
-
-    @property
-    def show_shape(self) -> bool:
-        """As harmonics do."""
-        return True
 
     def rows(self, chosen: IntArray) -> WhitenedObservations:
         """Give the observations of some of the loops, by their places, shape (n,)."""

@@ -13,11 +13,10 @@ from typing import Protocol
 
 import numpy as np
 
-from pipeclamp_identification.fitting.observations import LoopObservations
+from pipeclamp_identification.fitting.observations import WeightedLoops
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce
-from pipeclamp_models.realise.motion import Motion
 
 VARIANCE_RATIOS = np.concatenate([[0.0], np.geomspace(1e-3, 1e5, 161)])
 """Ratios of variances, between groups over between runs, among which the likeliest is taken."""
@@ -194,40 +193,14 @@ class Poolings:
 
 
 @dataclass(frozen=True)
-class PooledObservations:
+class PooledObservations(WeightedLoops):
     """Harmonics of loops of which groups have factors of their own: what a law of the middle one is fitted to."""
 
-    loops: LoopObservations
     factors: GroupFactors
 
     @cached_property
     def _poolings(self) -> Poolings:
         return Poolings(self.loops, self.factors)
-
-    @property
-    def motion(self) -> Motion:
-        """The motions at which the law's force is wanted."""
-        return self.loops.motion
-
-    @property
-    def force_amplitude(self) -> Array:
-        """Half the range of the measured force in N, shape (R,)."""
-        return self.loops.force_amplitude
-
-    @property
-    def are_linear(self) -> bool:
-        """As harmonics are."""
-        return True
-
-    @property
-    def deny_constant_force(self) -> bool:
-        """Whether forces at rest before the tests do."""
-        return self.loops.deny_constant_force
-
-    @property
-    def show_shape(self) -> bool:
-        """As harmonics do."""
-        return True
 
     def residual(self, law_force: LawForce) -> Array:
         """Give measured less law, in units in which noise and factors together are independent."""

@@ -228,6 +228,42 @@ class LoopObservations:
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
 
 
+@dataclass(frozen=True)
+class WeightedLoops:
+    """What observations that weigh loops' harmonics otherwise have in common, as of `Observations`.
+
+    Attributes:
+        loops: the harmonics as they were measured.
+    """
+
+    loops: LoopObservations
+
+    @property
+    def motion(self) -> Motion:
+        """The measured motions."""
+        return self.loops.motion
+
+    @property
+    def force_amplitude(self) -> Array:
+        """Half the range of the measured force, N, shape (R,)."""
+        return self.loops.force_amplitude
+
+    @property
+    def are_linear(self) -> bool:
+        """As harmonics are."""
+        return True
+
+    @property
+    def deny_constant_force(self) -> bool:
+        """Whether forces at rest before the tests do."""
+        return self.loops.deny_constant_force
+
+    @property
+    def show_shape(self) -> bool:
+        """As harmonics do."""
+        return True
+
+
 def loop_motion(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> Motion:
     """Give the measured motions of loops over one cycle, for laws to be evaluated on.
 

@@ -143,12 +143,7 @@ def _candidate(judged: MetricJudged, diagnosis: MetricDiagnosis) -> MetricCandid
         explained=diagnosis.explained(judged),
         chance=diagnosis.chances[judged.name],
         objections=(*judged.objections, *judged.reservations),
-        parameters={
-            parameter.name: judged.result.law.values[parameter.name]
-            for effect in judged.result.equations.effects
-            if effect.name in judged.effects
-            for parameter in effect.parameters
-        },
+        parameters=judged.result.values_of(judged.effects),
     )
 
 

@@ -141,10 +141,10 @@ class ReducedPipe:
             f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m²",
             f"{self.kept} modes kept for {self.up_to_Hz:g} Hz: {first}{more} Hz; "
             f"{len(self.omega) - self.kept} residual modes",
-            f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
-            f"with the residual modes the error is {self.errors.static:.1e}",
-            f"frequency response up to {self.up_to_Hz:g} Hz: the modes left out cost at most "
-            f"{self.errors.response:.1e} of what it is at its frequency, without clamps{self._about_clamps()}",
+            f"static compliance: {self.errors.static_truncated:.1%} of it lies in the modes left out; "
+            f"with the residual modes it errs by {self.errors.static:.1e}",
+            f"frequency response up to {self.up_to_Hz:g} Hz: the modes left out change it by at most "
+            f"{100 * self.errors.response:.2g}% without clamps{self._about_clamps()}",
             *self._about_stability(),
         ]
         if self.shear_error > 0.02:
@@ -159,7 +159,7 @@ class ReducedPipe:
         if not self.errors.clamped_at:
             return ""
         stiffest = max(self.errors.clamped_at) / 1e3
-        return f"; with clamps, as stiff as any, {self.errors.clamped:.1e} (at {stiffest:.2g} N/mm)"
+        return f", and by {100 * self.errors.clamped:.2g}% with clamps of any stiffness (most at {stiffest:.2g} N/mm)"
 
     def _about_stability(self) -> list[str]:
         """Say what axial force and flow do."""

@@ -9,7 +9,8 @@ import pytest
 
 from pipeclamp_identification.campaign.drive import Drive, DrivePlan, Profile, drive_content, read_drive
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan, driven
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
+from pipeclamp_identification.campaign.rig.plan import driven
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.rig.truth import truth_of
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -21,8 +22,8 @@ from pipeclamp_models.law.catalogue import entries, find_effect
 from pipeclamp_models.law.file import law_of
 from pipeclamp_models.law.law import bare_for
 
-TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
-PLAN = TestPlan(amplitudes=(0.3, 0.9), frequencies=(2.0,), temperatures=(20.0, 250.0), rate=400.0)
+Plan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
+PLAN = Plan(amplitudes=(0.3, 0.9), frequencies=(2.0,), temperatures=(20.0, 250.0), rate=400.0)
 QUIET = replace(
     PLAN, force_noise=0.0, displacement_noise=0.0, force_step=0.0, displacement_step=0.0, distortion=0.0,
     amplitude_error=0.0, temperature_error=0.0,

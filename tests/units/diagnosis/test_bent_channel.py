@@ -7,7 +7,7 @@ import pytest
 from few_effects import few_effects
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
@@ -19,7 +19,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = TestPlan((0.3, 0.6, 0.9), (1.0, 4.0), (20.0, 150.0), rate=500.0, seed=5)
+PLAN = Plan((0.3, 0.6, 0.9), (1.0, 4.0), (20.0, 150.0), rate=500.0, seed=5)
 ALIKE = (
     "asymmetry", "hardening", "pressed_slip", "memory", "unilateral_contact", "offset", "end_stop", "gas_spring", "gap"
 )  # fmt: skip

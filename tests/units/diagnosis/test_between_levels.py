@@ -8,7 +8,7 @@ from bump import BUMP
 from few_effects import few_effects
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis import elsewhere
@@ -29,7 +29,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = TestPlan(
+PLAN = Plan(
     amplitudes=(0.3, 0.6, 1.0), frequencies=(1.0, 2.0, 4.0, 8.0), temperatures=(20.0, 150.0, 300.0), rate=500.0, seed=3
 )
 SHARP = {"k_i": 40.0, "f_i": 2.0, "zeta_i": 0.05, "b_i": 0.0}

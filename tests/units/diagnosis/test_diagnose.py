@@ -16,7 +16,7 @@ from pipeclamp.studio.bench import with_candidate
 from pipeclamp.studio.diagnosis_shown import shown_diagnosis
 from pipeclamp.studio.overview import waterfall_of
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis import problem
@@ -46,7 +46,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = TestPlan(rate=500.0, seed=3)
+PLAN = Plan(rate=500.0, seed=3)
 LOPSIDED = ("asymmetry", "offset", "gas_spring", "unilateral_contact", "directional_damping", "gap", "memory")
 """What acts like a force that is stiffer on one side, and something else."""
 SLIPPING = (
@@ -131,7 +131,7 @@ def test_a_page_of_what_cannot_be_named_says_nowhere_that_nothing_is_left(campai
 
 def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
     """Noisy records of few samples: each is seen through its own sampling, at few points of the cycle."""
-    plan = TestPlan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)
+    plan = Plan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)
     loops = loops_of(campaign(plan=plan))
     assert points_enough(loops) < SAMPLES_PER_CYCLE
     structure = Structure("power", ("loosening",))
@@ -170,7 +170,7 @@ def _is_named(diagnosis, effect):
 def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(campaign):
     """Its stated starts are some hundred times as large; rough fits from them came to 0.07 of the cost without it."""
     oil = {"k_oil": 600.0, "F_oil": 20.0, "v_oil": 15.0, "a_oil": 0.6, "p_oil": 0.24}
-    tests = campaign(("oil_damper",), plan=TestPlan((0.3, 0.5, 0.8), (1.0, 3.0, 6.0), (20.0,), force_noise=0.3), **oil)
+    tests = campaign(("oil_damper",), plan=Plan((0.3, 0.5, 0.8), (1.0, 3.0, 6.0), (20.0,), force_noise=0.3), **oil)
     problem, fitted = prepare(Structure("power"), loops_of(tests))
     law = judge((), Structure("power"), [fitted.law.values], problem)
     (promise,) = screened(Structure("power"), problem, law, ALONE, ["oil_damper"])

@@ -11,7 +11,8 @@ from pipeclamp.pages.page import render
 from pipeclamp.show.diagnosis import next_test_lines
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, drive_content, read_drive
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan, driven
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
+from pipeclamp_identification.campaign.rig.plan import driven
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
@@ -22,7 +23,7 @@ from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Provenance, law_of
 
-NARROW = TestPlan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
+NARROW = Plan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
 """Two neighbouring frequencies: the stiffness that follows f could as well be inertia."""
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.verdict import diagnose
@@ -18,7 +18,7 @@ def test_what_explains_them_is_a_part_and_no_cause(amplitudes, kind, tmp_path):
     clamp = law_of(open_law("emwm2"))
     values = {**clamp.values, "k2": 400.0}
     law = Law(Structure("power", ("asymmetry",)), values, clamp.v_r, clamp.y_r)
-    plan = TestPlan(amplitudes, (2.0,), (20.0,), cycles=4, rate=300, repeats=4)
+    plan = Plan(amplitudes, (2.0,), (20.0,), cycles=4, rate=300, repeats=4)
     write_campaign(tmp_path / "c", virtual_runs(law, plan), name="c", notes="")
     found = diagnose(Structure("power"), read_campaign(tmp_path / "c")).found
     assert (found.verdict, found.effects, found.kind) == ("missing", ("asymmetry",), kind)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_identification.diagnosis.open_means import means_left_open
@@ -34,7 +34,7 @@ def off_by_zeros(folder, law, force_N, displacement_mm):
             displacement_mm=record.displacement_mm + displacement_mm * zeros[1],
         )
 
-    runs = virtual_runs(law, TestPlan(rate=500.0, seed=3))
+    runs = virtual_runs(law, Plan(rate=500.0, seed=3))
     write_campaign(folder, (WrittenRun(run.row, off(run.record)) for run in runs), name="off", notes="")
     return read_campaign(folder)
 
@@ -74,7 +74,7 @@ def test_means_that_stuck_elements_leave_open_may_scatter_as_the_load_does(tmp_p
 
 def test_without_a_load_next_to_nothing_scatters(tmp_path):
     law = Law(Structure("power"), BASE, 0.0126, 0.002)
-    write_campaign(tmp_path / "campaign", virtual_runs(law, TestPlan(rate=500.0, seed=3)), name="v", notes="")
+    write_campaign(tmp_path / "campaign", virtual_runs(law, Plan(rate=500.0, seed=3)), name="v", notes="")
     found = diagnose(Structure("power"), read_campaign(tmp_path / "campaign"))
     assert not found.problem.noise.mean_shows
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.problem import judge, prepare, weighed_again
@@ -26,7 +26,7 @@ STOP = next(one.declaration for one in terms(("A", "f", "T"), {}) if one.declara
 OWN = {"F_x": 900.0, "y_x": 0.4}
 WARM = {"c_T1": -0.5, "c_T2": 0.1, "c_T3": 0.0}
 STANDS_FOR_IT, REAL = ("asymmetry", "end_stop"), "damping_temperature"
-PLAN = TestPlan((0.3, 0.6, 1.0), (1.0, 4.0), (20.0, 120.0), rate=400.0, seed=4)
+PLAN = Plan((0.3, 0.6, 1.0), (1.0, 4.0), (20.0, 120.0), rate=400.0, seed=4)
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["one is real", "none is"])

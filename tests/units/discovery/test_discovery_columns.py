@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.problem import judge, prepare, weighed_again
@@ -18,7 +18,7 @@ from pipeclamp_models.law.law import Structure
 
 def test_a_law_whose_elements_never_slip_leaves_the_mean_of_such_runs_open(tmp_path):
     """An element that never slips keeps whatever mean force it began with: a term can't explain it."""
-    plan = TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    plan = Plan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0,), seed=1)
     write_campaign(tmp_path / "campaign", virtual_runs(law_of(open_law("emwm2")), plan), name="virtual", notes="")
     structure = Structure("power", ("memory",))
     # a slip force beyond what all motions raise
@@ -36,7 +36,7 @@ def test_a_law_whose_elements_never_slip_leaves_the_mean_of_such_runs_open(tmp_p
 
 def test_what_relaxes_slowly_is_walked_until_it_repeats(tmp_path):
     """After two cycles it had been taken for settled, with the force of rest at the start still in it."""
-    plan = TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    plan = Plan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0,), seed=1)
     write_campaign(tmp_path / "campaign", virtual_runs(law_of(open_law("emwm2")), plan), name="virtual", notes="")
     structure = Structure("power")
     problem, fitted = prepare(structure, loops_of(read_campaign(tmp_path / "campaign")))
@@ -48,7 +48,7 @@ def test_what_relaxes_slowly_is_walked_until_it_repeats(tmp_path):
 
 def test_columns_in_other_weights_are_what_they_would_be_evaluated_there(tmp_path):
     """Most of a search's time goes into them; weighed again they needn't be evaluated again."""
-    plan = TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0, 150.0), seed=1)
+    plan = Plan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0, 150.0), seed=1)
     truth = law_of(open_law("emwm2"))
     write_campaign(tmp_path / "campaign", virtual_runs(truth, plan), name="virtual", notes="")
     structure = Structure("power")
@@ -69,7 +69,7 @@ def test_columns_in_other_weights_are_what_they_would_be_evaluated_there(tmp_pat
 
 def test_what_adds_a_force_is_evaluated_once_for_all_laws_that_it_is_put_into(tmp_path, monkeypatch):
     """In the place of a law's effects the same terms are sought on the same tests, up to seven times."""
-    plan = TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0, 150.0), seed=1)
+    plan = Plan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0, 150.0), seed=1)
     write_campaign(tmp_path / "campaign", virtual_runs(law_of(open_law("emwm2")), plan), name="virtual", notes="")
     structure = Structure("power", ("damping_temperature", "asymmetry"))
     problem, fitted = prepare(structure, loops_of(read_campaign(tmp_path / "campaign")))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter
@@ -434,7 +434,7 @@ def test_the_scatter_of_stiffness_does_not_outvote_what_a_term_explains(tmp_path
     """Of a run that was 1 % stiffer than the law the error is large in N2, and nothing where runs scatter by 1 %."""
     law = law_of(open_law("emwm2"))
     write_campaign(
-        tmp_path / "campaign", virtual_runs(law, TestPlan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)),
+        tmp_path / "campaign", virtual_runs(law, Plan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)),
         name="virtual", notes="",
     )  # fmt: skip
     loops = loops_of(read_campaign(tmp_path / "campaign"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.discovery.discover import search
@@ -29,7 +29,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": 0.0, "k30": 250.0, "k3_A": -0.9, "k3_T": 0.0,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = replace(TestPlan((0.3, 0.5, 0.7, 1.0), (1.0, 2.0, 4.0), (20.0,), seed=4), rate=400.0, repeats=1)
+PLAN = replace(Plan((0.3, 0.5, 0.7, 1.0), (1.0, 2.0, 4.0), (20.0,), seed=4), rate=400.0, repeats=1)
 SMALLEST = 1e-4
 """What figures may differ by, as a share: rounding, after fits that end within 1e-5."""
 

@@ -1,7 +1,7 @@
 """The sine that tells a found term from its rival, whatever the two follow."""
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.discovery.grammar import terms
@@ -15,7 +15,7 @@ from pipeclamp_models.law.law import Law, with_effect
 def test_terms_that_follow_the_cycles_are_told_apart_at_a_number_of_them(tmp_path):
     """Two factors that follow the cycles ended the search: "the law depends on N, which the tests don't state"."""
     law = law_of(open_law("emwm2"))
-    plan = TestPlan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    plan = Plan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)
     write_campaign(tmp_path / "campaign", virtual_runs(law, plan), name="virtual", notes="")
     loops = loops_of(read_campaign(tmp_path / "campaign"))
     by_id = {term.declaration.id: term for term in terms(("A", "f", "N"), {})}
@@ -32,7 +32,7 @@ def test_terms_that_follow_the_cycles_are_told_apart_at_a_number_of_them(tmp_pat
 def test_what_lies_between_the_temperatures_tested_is_told_there(tmp_path):
     """Only the lowest and the highest temperature had been asked, where both pass through what was measured."""
     law = law_of(open_law("emwm2"))
-    plan = TestPlan((0.2, 1.0), (1.0, 4.0), (20.0, 120.0, 220.0), seed=1)
+    plan = Plan((0.2, 1.0), (1.0, 4.0), (20.0, 120.0, 220.0), seed=1)
     write_campaign(tmp_path / "campaign", virtual_runs(law, plan), name="virtual", notes="")
     loops = loops_of(read_campaign(tmp_path / "campaign"))
     (step,) = (term for term in terms(("A", "f", "T"), {}) if term.declaration.id == "found_stiffness_step_t")

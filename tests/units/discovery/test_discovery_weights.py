@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.problem import judge, prepare, weighed_again
@@ -24,7 +24,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = TestPlan((0.2, 0.5, 0.8, 1.0), (1.0, 3.0), (20.0,), rate=500.0, seed=4)
+PLAN = Plan((0.2, 0.5, 0.8, 1.0), (1.0, 3.0), (20.0,), rate=500.0, seed=4)
 TERMS = {term.declaration.id: term for term in terms(("A", "f"), {})}
 SQUARE, LINEAR, ELSE = "found_stop_positive_2", "found_stop_positive_1", "found_dry_damping"
 STARTS = {SQUARE: {"F_x": 900.0, "y_x": 0.4}, LINEAR: {"F_x": 300.0, "y_x": 0.4}, ELSE: {"F_x": 1.0}}

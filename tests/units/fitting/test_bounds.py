@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.joint.beforehand import close_to_a_bound, steps_over_a_bound
@@ -19,7 +19,7 @@ from pipeclamp_models.law.file import law_of
 
 def test_a_bound_holds_a_parameter_however_closely_the_fit_came_to_it(tmp_path):
     law = law_of(open_law("emwm2"))
-    plan = TestPlan((0.2, 0.5, 0.9), (1.0, 4.0), (20.0, 150.0, 300.0), cycles=3, rate=200)
+    plan = Plan((0.2, 0.5, 0.9), (1.0, 4.0), (20.0, 150.0, 300.0), cycles=3, rate=200)
     write_campaign(tmp_path / "c", virtual_runs(law, plan), name="c", notes="")
     observations = loop_observations(loops_of(read_campaign(tmp_path / "c")))
     structure = replace(law.structure, effects=(*law.structure.effects, "exponential_stiffening"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.fitting.heldout import (
@@ -28,19 +28,19 @@ def _loops(tmp_path, plan):
 
 
 def test_set_points_that_the_drive_misses_are_one_group(tmp_path):
-    plan = TestPlan((0.3, 0.9), (2.0, 4.0), (20.0, 100.0, 200.0), cycles=3, rate=200, amplitude_error=0.01)
+    plan = Plan((0.3, 0.9), (2.0, 4.0), (20.0, 100.0, 200.0), cycles=3, rate=200, amplitude_error=0.01)
     groups = condition_groups(_loops(tmp_path, plan))
     assert sorted(np.bincount(groups)) == [3, 3, 3, 3]
 
 
 def test_a_sweep_in_small_steps_is_left_out_in_classes(tmp_path):
-    plan = TestPlan((0.5,), tuple(np.round(np.geomspace(1.0, 2.0, 24), 4)), (20.0,), cycles=3, rate=200)
+    plan = Plan((0.5,), tuple(np.round(np.geomspace(1.0, 2.0, 24), 4)), (20.0,), cycles=3, rate=200)
     for used, left_out in folds(condition_groups(_loops(tmp_path, plan)), 8):
         assert len(left_out) < len(used)
 
 
 def test_at_one_amplitude_and_frequency_runs_are_left_out(tmp_path):
-    loops = _loops(tmp_path, TestPlan((0.5,), (3.0,), (20.0, 100.0, 200.0, 300.0), cycles=3, rate=200))
+    loops = _loops(tmp_path, Plan((0.5,), (3.0,), (20.0, 100.0, 200.0, 300.0), cycles=3, rate=200))
     assert sorted(condition_groups(loops)) == [0, 1, 2, 3]
     assert left_out_at_once(loops) == "runs"
     assert 0 < refitted_nrmse(law_of(open_law("emwm2")), loops, loop_observations(loops)) < 0.2
@@ -48,7 +48,7 @@ def test_at_one_amplitude_and_frequency_runs_are_left_out(tmp_path):
 
 def test_without_one_of_two_amplitudes_and_frequencies_nothing_would_show_what_these_do(tmp_path):
     """A damper over current had been tried at two: left-out error rose by what explains nine tenths of its force."""
-    plan = TestPlan((0.3, 0.9), (2.0,), (20.0, 100.0, 200.0), cycles=3, rate=200, repeats=2, amplitude_error=0.01)
+    plan = Plan((0.3, 0.9), (2.0,), (20.0, 100.0, 200.0), cycles=3, rate=200, repeats=2, amplitude_error=0.01)
     loops = _loops(tmp_path, plan)
     assert sorted(np.bincount(condition_groups(loops))) == [2] * 6
     assert left_out_at_once(loops) == "settings"
@@ -56,7 +56,7 @@ def test_without_one_of_two_amplitudes_and_frequencies_nothing_would_show_what_t
 
 
 def test_of_one_test_nothing_can_be_left_out(tmp_path):
-    loops = _loops(tmp_path, TestPlan((0.5,), (3.0,), (20.0,), cycles=3, rate=200))
+    loops = _loops(tmp_path, Plan((0.5,), (3.0,), (20.0,), cycles=3, rate=200))
     with pytest.raises(UserError, match="expected two tests"):
         list(folds(condition_groups(loops), 8))
 

@@ -288,7 +288,7 @@ def test_what_is_left_is_no_noise_only_because_it_is_as_rough(compared, found, m
     assert (part.verdict, part.kind, part.noise_unknown) == ("wrong", "part", True)
     words = attribution_words(part, None)
     assert words[0].startswith("Part of what is wrong")
-    assert any("no sine was repeated" in one for one in words)
+    assert any("Only repeated sines tell whether it is noise" in one for one in words)
     assert judged(0.31, 0.09).kind == "cause"
     assert judged(0.31, 0.5).verdict == "unknown", "it takes less than seven tenths of all that is wrong"
     monkeypatch.setattr(PipeComparison, "noise_nrmse", 0.5)

@@ -39,7 +39,7 @@ def test_of_few_settings_left_out_ones_tell_nothing_of_what_fits_better(few, err
     assert words.startswith("The law got worse") == ("keep the law without" in words) == worse
     if not worse:
         assert words.startswith("Left-out conditions can't tell whether condition:current_A helps")
-        assert "19.00% -> 21.00%, on the runs used 5.00% -> 2.00%; test further levels" in words
+        assert "19.00% -> 21.00%, that on the runs used 5.00% -> 2.00%; test at more levels" in words
 
 
 @pytest.mark.parametrize(("currents", "few"), [((0.5, 2.0), True), ((0.5, 1.0, 2.0), False)])

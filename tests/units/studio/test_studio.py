@@ -32,7 +32,7 @@ from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.session import SessionStep
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.campaign.rig.plan import TestPlan
+from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.workflow.auto import add_until_settled
@@ -48,7 +48,7 @@ from pipeclamp_models.pipe.modes import finite_elements
 from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.description.system import SystemDescription
 
-PLAN = TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
+PLAN = Plan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
 JOBS = "/c/virtual/jobs"
 
 

@@ -44,32 +44,51 @@ def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     able = [other for other in sound if scales.explains(other)]
     near = rivals_of(best, able, scales.problem)
     rivals = [each for each in able if any(each is one for one in near) or _leaves_form_alike(each, best, scales)]
-    best, *rivals = without_general([best, *rivals])
-    names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
-    generals = _generals(best, scales)
-    clearly = [each for each in generals if not rivals_of(each, [best], scales.problem)]
-    if clearly:
-        general = clearly[0]
-        fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
-        reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
-        return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
-    if len(names) > 1:
-        # simplicity speaks for a special case alone; where it has rivals, so has the general effect
-        aside = [each for one in (best, *rivals) for each in _generals(one, scales)]
-        names = distinct([*names, *(each.effects[0] for each in rivals_of(best, aside, scales.problem))])
-        form = _form_left(best, scales)
-        reasons = (f"this data can't tell {' from '.join(names)}", *([form] if form else []))
-        return Weighed("ambiguous", names, "part" if form else "cause", best, None, reasons)
-    others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
+    alike = without_general([best, *rivals])
+    return _a_general_effect_and(alike, scales) or _one_of(alike, scales) or _no_rival_of(alike[0], sound, scales)
+
+
+def _a_general_effect_and(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name an effect that fits clearly better than its special case, the best, beside it; None where none does."""
+    clearly = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
+    if not clearly:
+        return None
+    general, names = clearly[0], _names(alike)
+    fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
+    reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
+    return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
+
+
+def _one_of(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name several effects that can't be told apart; None where it is one alone."""
+    best, names = alike[0], _names(alike)
+    if len(names) < 2:
+        return None
+    # simplicity speaks for a special case alone; where it has rivals, so has the general effect
+    aside = [each for one in alike for each in _generals(one, scales)]
+    names = distinct([*names, *(each.effects[0] for each in rivals_of(best, aside, scales.problem))])
+    form = _form_left(best, scales)
+    reasons = (f"this data can't tell {' from '.join(names)}", *([form] if form else []))
+    return Weighed("ambiguous", names, "part" if form else "cause", best, None, reasons)
+
+
+def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
+    """Name one effect: as the cause, or as a part where another one does better by another measure, or form is left."""
+    name = best.effects[0]
+    others = [each for each in sound if effect_id(each.effects[0]) != effect_id(name)]
     if against := _weak_harmonics(best, others, scales) or _more_in_force(best, others, scales):
-        reason = f"{best.effects[0]} leaves little over, but {against}: neither has the exact form"
-        return Weighed("missing", names, "part", best, None, (reason,))
+        reason = f"{name} leaves little over, but {against}: neither has the exact form"
+        return Weighed("missing", (name,), "part", best, None, (reason,))
     if form := _form_left(best, scales):
-        return Weighed("missing", names, "part", best, None, (f"no rival of {best.effects[0]} comes near, but {form}",))
-    reason = f"{best.effects[0]} explains it and no rival comes near"
-    if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
+        return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}",))
+    reason = f"{name} explains it and no rival comes near"
+    if likelier := [each.effects[0] for each in _generals(best, scales) if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
-    return Weighed("missing", names, "cause", best, None, (reason,))
+    return Weighed("missing", (name,), "cause", best, None, (reason,))
+
+
+def _names(alike: Sequence[Judged]) -> tuple[str, ...]:
+    return distinct(each.effects[0] for each in alike)
 
 
 def _weak_harmonics(best: Judged, others: Sequence[Judged], scales: Scales) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +63,15 @@ class Fit:
         """How far the fitted parameters lie from the means of their priors, shape (fitted,)."""
         means = {parameter.name: parameter.neutral or 0.0 for parameter in self.equations.parameters}
         return np.array([self.law.values[name] - means[name] for name in self.fitted])
+
+    def values_of(self, effects: Collection[str]) -> dict[str, float]:
+        """Give the values of the parameters that effects bring, by name; in units of the law."""
+        return {
+            parameter.name: self.law.values[parameter.name]
+            for effect in self.equations.effects
+            if effect.name in effects
+            for parameter in effect.parameters
+        }
 
     def standard_errors(self) -> dict[str, float]:
         """Give the standard error of each fitted parameter by name."""
