@@ -23,50 +23,83 @@ def velocity(mode: int) -> str:
 
 def pipe_dependencies(pipe: ReducedPipe, excitation: str) -> Dependencies:
     """Give what the pipe's outputs and derivatives depend on; `excitation` is the input that shakes it."""
-    modes = range(len(pipe.omega))
-    inputs = {excitation: pipe.excitation_participation} | {
+    shapes = {excitation: pipe.excitation_participation} | {
         f"{name}.f": shape for name, shape in zip(pipe.clamp_names, pipe.clamp_shapes, strict=True)
     }
+    accelerations = _accelerations(pipe, shapes)
+    always = {
+        **_motions(pipe),
+        **_probe_accelerations(pipe, excitation, accelerations),
+        **_energies(pipe),
+        **_derivatives(pipe, excitation, accelerations),
+    }
+    # The pipe starts at rest: only its accelerations aren't zero.
+    by_inputs = {name: [entry for entry in of if entry in shapes] for name, of in always.items()}
+    initially = {name: of for name, of in by_inputs.items() if name.endswith(".a") or name.startswith("der(mode.p")}
+    return Dependencies(_once(always), _once(initially))
+
+
+def _accelerations(pipe: ReducedPipe, shapes: Mapping[str, Sequence[float]]) -> list[list[str]]:
+    """Give what each mode's acceleration depends on: inputs by their shapes, and modes by the matrices."""
+    modes = range(len(pipe.omega))
     stiffness, damping = pipe.stiffness_matrix.tolist(), pipe.damping_matrix.tolist()
-    rates = [
-        (
-            *(name for name, shape in inputs.items() if shape[mode]),
+    return [
+        [
+            *(name for name, shape in shapes.items() if shape[mode]),
             *(displacement(other) for other in modes if stiffness[mode][other]),
             *(velocity(other) for other in modes if damping[mode][other]),
-        )
+        ]
         for mode in modes
     ]
-    always: dict[str, Iterable[str]] = {}
+
+
+def _motions(pipe: ReducedPipe) -> dict[str, Iterable[str]]:
+    """Give what displacement and velocity of clamps and probes depend on."""
+    found: dict[str, Iterable[str]] = {}
     for name, shape in _seen(pipe).items():
-        always[f"{name}.s"] = [displacement(mode) for mode in modes if shape[mode]]
-        always[f"{name}.v"] = [velocity(mode) for mode in modes if shape[mode]]
-    for name, shape in zip(pipe.probe_names, pipe.probe_shapes, strict=True):
-        carried = [excitation] if pipe.excitation == "base" else []
-        always[f"{name}.a"] = [*carried, *(entry for mode in modes if shape[mode] for entry in rates[mode])]
-    motion = [
-        *(displacement(mode) for mode in modes if any(stiffness[mode])),
-        *(velocity(mode) for mode in modes),
-    ]
-    always |= {
+        moving = [mode for mode, share in enumerate(shape) if share]
+        found[f"{name}.s"] = [displacement(mode) for mode in moving]
+        found[f"{name}.v"] = [velocity(mode) for mode in moving]
+    return found
+
+
+def _probe_accelerations(
+    pipe: ReducedPipe, excitation: str, accelerations: Sequence[Iterable[str]]
+) -> dict[str, Iterable[str]]:
+    """Give what the acceleration of probes depends on; a shaken base carries them along."""
+    carried = [excitation] if pipe.excitation == "base" else []
+    return {
+        f"{name}.a": [*carried, *(entry for mode, share in enumerate(shape) if share for entry in accelerations[mode])]
+        for name, shape in zip(pipe.probe_names, pipe.probe_shapes, strict=True)
+    }
+
+
+def _energies(pipe: ReducedPipe) -> dict[str, Iterable[str]]:
+    """Give what the pipe's energy, what it dissipates, and the works depend on."""
+    stiffness = pipe.stiffness_matrix.tolist()
+    modes = range(len(pipe.omega))
+    motion = [*(displacement(mode) for mode in modes if any(stiffness[mode])), *map(velocity, modes)]
+    return {
         "energyPipe": motion,
         "energyDissipated": [*motion, *WORKS],
         "workExcitation": WORKS[:1],
         "workClamps": WORKS[1:],
     }
-    moved = [
-        [velocity(mode) for mode in modes if any(shape[mode] for shape in shapes)]
-        for shapes in ([pipe.excitation_participation], pipe.clamp_shapes)
-    ]
-    always |= {f"der({displacement(mode)})": [velocity(mode)] for mode in modes}
-    always |= {f"der({velocity(mode)})": rates[mode] for mode in modes}
-    always |= {
-        f"der({work})": [*acting, *speeds]
-        for work, acting, speeds in zip(WORKS, ([excitation], list(inputs)[1:]), moved, strict=True)
-    }
-    # The pipe starts at rest: only its accelerations aren't zero.
-    by_inputs = {name: [entry for entry in of if entry in inputs] for name, of in always.items()}
-    initially = {name: of for name, of in by_inputs.items() if name.endswith(".a") or name.startswith("der(mode.p")}
-    return Dependencies(_once(always), _once(initially))
+
+
+def _derivatives(
+    pipe: ReducedPipe, excitation: str, accelerations: Sequence[Iterable[str]]
+) -> dict[str, Iterable[str]]:
+    """Give what derivatives depend on: those of the works on their loads, and on the speeds that these act on."""
+    modes = range(len(pipe.omega))
+    loads = ([excitation], [f"{name}.f" for name in pipe.clamp_names])
+    acted_on = ([pipe.excitation_participation], pipe.clamp_shapes)
+    found: dict[str, Iterable[str]] = {f"der({displacement(mode)})": [velocity(mode)] for mode in modes}
+    found |= {f"der({velocity(mode)})": accelerations[mode] for mode in modes}
+    for work, acting, shapes in zip(WORKS, loads, acted_on, strict=True):
+        speeds = [velocity(mode) for mode in modes if any(shape[mode] for shape in shapes)]
+        found[f"der({work})"] = [*acting, *speeds]
+    return found
 
 
 def _seen(pipe: ReducedPipe) -> dict[str, Sequence[float]]:

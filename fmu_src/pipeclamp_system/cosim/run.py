@@ -247,24 +247,16 @@ def _run(
         coupled_pipe = HeldInputs(pipe_participant, (signal(0.0), *forces))
     system = System(coupled_pipe, tuple(clamp_participants.values()), signal)
     recording, guard = Recording(pipe_participant, clamp_participants), EnergyGuard()
-    taken, told = 0, -1
+    taken, report = 0, _by_per_cent(progress)
     try:
         for point in _marched(system, run):
             between_steps()
             recording.take(point)
             guard.check(point, recording.last("energyPipe"), recording.last("workExcitation"))
             taken += 1
-            percent = int(100 * point.time / run.stop_s + 1e-6)
-            if progress is not None and percent > told:
-                progress(percent / 100)
-                told = percent
+            report(point.time / run.stop_s)
     except UserError as error:
-        of_steps = "" if run.energy_tolerance else f" of {run.steps}"
-        diverging = f"the coupling diverges from step {guard.since} on: " if guard.since else ""
-        other = "" if run.scheme in ROLLS_BACK else "scheme = 'iterated' or "
-        remedy = f"; use {other}a smaller step_s" if guard.since else ""
-        raised = DivergedError if guard.since else UserError
-        raise raised(f"{diverging}{error}; the run was stopped in step {taken}{of_steps}{remedy}") from error
+        raise _stopped(error, run, taken, guard.since) from error
     finally:
         for participant in (pipe_participant, *clamp_participants.values()):
             participant.release()
@@ -273,6 +265,32 @@ def _run(
         f"{fmu.instance}: {text}" for fmu in (pipe, *clamps) for text in fmu.messages.warnings if OFF_BY not in text
     ]
     return replace(recorded_result(description, variables, recording, warnings), means_told=means)
+
+
+def _by_per_cent(progress: ShareDone | None) -> ShareDone:
+    """Give what tells a progress the share that is done, once a per cent."""
+    shown = -1
+
+    def report(share: float) -> None:
+        nonlocal shown
+        percent = int(100 * share + 1e-6)
+        if progress is not None and percent > shown:
+            progress(percent / 100)
+            shown = percent
+
+    return report
+
+
+def _stopped(error: UserError, run: RunTable, taken: int, diverging_since: int) -> UserError:
+    """Give the error of a run that was stopped in a step; where it diverges since one (not 0), with what to do."""
+    of_steps = "" if run.energy_tolerance else f" of {run.steps}"
+    stopped = f"{error}; the run was stopped in step {taken}{of_steps}"
+    if not diverging_since:
+        return UserError(stopped)
+    other = "" if run.scheme in ROLLS_BACK else "scheme = 'iterated' or "
+    return DivergedError(
+        f"the coupling diverges from step {diverging_since} on: {stopped}; use {other}a smaller step_s"
+    )
 
 
 def _marched(system: System, run: RunTable) -> Iterator[Point]:

@@ -72,38 +72,65 @@ def fit_together(
         negligible: or where no more than this is.
     """
     begins = [(index, problem.begin, problem.near) for index, problem in enumerate(problems)]
-    best = list(evaluate(begins))
-    radii = [RADIUS] * len(problems)
-    spent = [1] * len(problems)
-    open_ones = [index for index, found in enumerate(best) if found is not None]
-    while open_ones:
-        trials, promised = [], {}
-        for index in open_ones:
-            at = best[index]
-            assert at is not None
-            step = _step(problems[index], at, radii[index]) if spent[index] < problems[index].most else None
-            if step is None:
-                continue
-            gain = at.squared - float(np.sum((at.residual + at.jacobian @ step) ** 2))
-            if gain > max(tolerance * at.squared, negligible):
-                promised[index] = gain, float(np.abs(step / problems[index].scale).max())
-                trials.append((index, at.values + step, at.state))
-        open_ones = []
-        for (index, *_), found in zip(trials, evaluate(trials) if trials else (), strict=True):
-            spent[index] += 1
-            at = best[index]
-            assert at is not None
-            gain, length = promised[index]
-            gained = at.squared - found.squared if found is not None else -np.inf
-            if gained < POOR * gain:
-                radii[index] = SHORTER * length
-            elif gained > GOOD * gain and length > GOOD * radii[index]:
-                radii[index] *= LENGTHENING
-            if gained > 0:
-                best[index] = found
-            if gained > max(tolerance * at.squared, negligible) or (gained <= 0 and radii[index] > SMALLEST_RADIUS):
-                open_ones.append(index)
-    return best
+    searches = {
+        index: _Search(problems[index], found) for index, found in enumerate(evaluate(begins)) if found is not None
+    }
+    going_on = list(searches)
+    while going_on:
+        least = {index: max(tolerance * searches[index].best.squared, negligible) for index in going_on}
+        trials = {index: trial for index in going_on if (trial := searches[index].trial(least[index])) is not None}
+        asked = [
+            (index, searches[index].best.values + trial.step, searches[index].best.state)
+            for index, trial in trials.items()
+        ]
+        found = evaluate(asked) if asked else ()
+        going_on = [
+            index
+            for (index, trial), one in zip(trials.items(), found, strict=True)
+            if searches[index].goes_on(trial, one, least[index])
+        ]
+    return [searches[index].best if index in searches else None for index in range(len(problems))]
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A step that is tried: the step (p,), the gain in squares that it promises, its length in the values' scales."""
+
+    step: Array
+    gain: float
+    length: float
+
+
+@dataclass(eq=False)
+class _Search(Generic[State]):
+    """How far the search of one problem has come: the best so far, the trust region's radius, evaluations spent."""
+
+    problem: LeastSquares[State]
+    best: Evaluated[State]
+    radius: float = RADIUS
+    spent: int = 1
+
+    def trial(self, least: float) -> _Trial | None:
+        """Give the next step; None where it promises no more than the least gain, or no evaluation is left."""
+        if self.spent >= self.problem.most:
+            return None
+        step = _step(self.problem, self.best, self.radius)
+        if step is None:
+            return None
+        gain = self.best.squared - float(np.sum((self.best.residual + self.best.jacobian @ step) ** 2))
+        return _Trial(step, gain, float(np.abs(step / self.problem.scale).max())) if gain > least else None
+
+    def goes_on(self, trial: _Trial, found: Evaluated[State] | None, least: float) -> bool:
+        """Take what came of a step, and tell whether another one may gain more than the least."""
+        self.spent += 1
+        gained = self.best.squared - found.squared if found is not None else -np.inf
+        if gained < POOR * trial.gain:
+            self.radius = SHORTER * trial.length
+        elif gained > GOOD * trial.gain and trial.length > GOOD * self.radius:
+            self.radius *= LENGTHENING
+        if found is not None and gained > 0:
+            self.best = found
+        return gained > least or (gained <= 0 and self.radius > SMALLEST_RADIUS)
 
 
 def _step(problem: LeastSquares[State], at: Evaluated[State], radius: float) -> Array | None:

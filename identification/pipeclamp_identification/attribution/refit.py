@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,38 +119,51 @@ def searched(task: RefitTask, suspects: Sequence[Suspect]) -> list[RefitStart]:
     coarse = task.coarse_residual(task.stated)
     least = float(coarse @ coarse)
     near_enough = least < CLOSE_RMS**2 * coarse.size
-    stated = [RefitStart((suspect,), suspect.neutral, task.stated) for suspect in suspects]
-    open_ones = [
-        index
-        for index, suspect in enumerate(suspects)
-        if not (near_enough and stated[index].values[0] > suspect.lower[0])
-    ]
-    best = {index: (least, stated[index]) for index in open_ones}
-    rays = [(index, ray) for index in open_ones for ray in _rays(suspects[index])]
+    starts = [RefitStart((suspect,), suspect.neutral, task.stated) for suspect in suspects]
+    asked = {
+        index: start
+        for index, start in enumerate(starts)
+        if not (near_enough and start.values[0] > suspects[index].lower[0])
+    }
+    best = _outwards(task, asked, least, most=1 if near_enough else None)
+    if near_enough:
+        return [best.get(index, start) for index, start in enumerate(starts)]
+    rough = _fitted(task, list(best.values()), task.coarse_residual, (ROUGH_GAIN, 0.0), MOST_ROUGH)
+    for (index, start), found in zip(best.items(), rough, strict=True):
+        starts[index] = RefitStart(start.suspects, tuple(found.values.tolist()), found.state)
+    return starts
+
+
+def _outwards(
+    task: RefitTask, asked: Mapping[int, RefitStart], least: float, most: int | None
+) -> dict[int, RefitStart]:
+    """Give the best of the starts that are tried outwards from the model as stated, by the coarse residual.
+
+    Args:
+        task: the task.
+        asked: where each suspect stands as stated, by number.
+        least: squares of the coarse residual as stated.
+        most: starts of each ray at most; None for all.
+    """
+    best = {index: (least, start) for index, start in asked.items()}
+    rays = [(index, ray[:most]) for index, start in asked.items() for ray in _rays(start.suspects[0])]
     last = [task.stated] * len(rays)
-    longest = max((len(ray) for _, ray in rays), default=0)
-    for number in range(min(longest, 1) if near_enough else longest):
-        tried = [place for place, (_, ray) in enumerate(rays) if number < len(ray) and last[place] is not None]
+    for number in range(max((len(ray) for _, ray in rays), default=0)):
+        tried = [place for place, (_, ray) in enumerate(rays) if number < len(ray)]
         families = [
-            ModelFamily([changed(task.model, (suspects[rays[place][0]],), rays[place][1][number])], last[place])
+            ModelFamily([changed(task.model, asked[rays[place][0]].suspects, rays[place][1][number])], last[place])
             for place in tried
         ]
         for place, (computed,) in zip(tried, task.computed(families), strict=True):
             index, ray = rays[place]
             squared = np.inf if computed is None else float(np.sum(task.coarse_residual(computed) ** 2))
             if computed is None or not np.isfinite(squared):
-                rays[place] = index, ray[:number]
+                rays[place] = index, ray[:number]  # beyond a place without a motion none is looked for
                 continue
             last[place] = computed
             if squared < best[index][0]:
-                best[index] = squared, RefitStart((suspects[index],), ray[number], computed)
-    if near_enough:
-        return [best[index][1] if index in best else start for index, start in enumerate(stated)]
-    begun = [start for _, start in best.values()]
-    rough = _fitted(task, begun, task.coarse_residual, (ROUGH_GAIN, 0.0), MOST_ROUGH)
-    for index, start, found in zip(best, begun, rough, strict=True):
-        stated[index] = RefitStart(start.suspects, tuple(found.values.tolist()), found.state)
-    return stated
+                best[index] = squared, RefitStart(asked[index].suspects, ray[number], computed)
+    return {index: start for index, (_, start) in best.items()}
 
 
 def _rays(suspect: Suspect) -> list[list[Values]]:

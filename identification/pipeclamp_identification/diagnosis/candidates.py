@@ -65,26 +65,36 @@ def candidates(
         the law with each of them, best first; and effects that were screened out, each with its share of the largest
         promise.
     """
+    chosen = _worth_fitting(structure, promises)
     top = promises[0].gain if promises else 0.0
-    ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
-    worth = max(WORTH_FITTING_SHARE * top, 1e-300)
-    # one step may show what a general effect does and not what its special case would, once the law has moved to it
-    leading = [with_effect(structure, promise.name).effect(promise.name) for promise in promises[:MOST_PAIRED]]
-    asked = {*ids, *(simple for effect in leading for simple in effect.special_cases)}
-    chosen = [promise for promise in promises if effect_id(promise.name) in asked and promise.gain >= worth]
     left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
     contenders = [
         Contender((promise.name,), with_effect(structure, promise.name), [start.values for start in promise.starts])
         for promise in chosen
     ]
     judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, workers), problem, workers))
-    best = [each.result.law.structure.effect(each.effects[0]) for each in judged[:MOST_PAIRED]]
-    special = {simple for effect in best for simple in effect.special_cases}  # may do as well once they are larger
-    growing = [
-        each for place, each in enumerate(judged) if place < MOST_PAIRED or effect_id(each.effects[0]) in special
-    ]
+    growing = _worth_growing(judged)
     others = [each for each in judged if not any(each is one for one in growing)]
     return ranked([*each_larger_as_asked(growing, structure, problem, workers), *others]), left
+
+
+def _worth_fitting(structure: Structure, promises: Sequence[Promise]) -> list[Promise]:
+    """Give the effects that promise most, and special cases of the first of them, where they promise enough.
+
+    One step may show what a general effect does and not what its special case would, once the law has moved to it.
+    """
+    ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
+    worth = max(WORTH_FITTING_SHARE * (promises[0].gain if promises else 0.0), 1e-300)
+    leading = [with_effect(structure, promise.name).effect(promise.name) for promise in promises[:MOST_PAIRED]]
+    asked = {*ids, *(simple for effect in leading for simple in effect.special_cases)}
+    return [promise for promise in promises if effect_id(promise.name) in asked and promise.gain >= worth]
+
+
+def _worth_growing(judged: Sequence[Judged]) -> list[Judged]:
+    """Give the best laws with an effect, and those with special cases of it, which may do as well once larger."""
+    best = [each.result.law.structure.effect(each.effects[0]) for each in judged[:MOST_PAIRED]]
+    special = {simple for effect in best for simple in effect.special_cases}
+    return [each for place, each in enumerate(judged) if place < MOST_PAIRED or effect_id(each.effects[0]) in special]
 
 
 def _each_roughly(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[RoughFit]:

@@ -213,23 +213,14 @@ def _asked(
         bar: what it must better.
         workers: who does it, and who is told.
     """
-    law, problem = evaluation.law, evaluation.problem
+    law = evaluation.law
     workers.tell("what chance would explain")
-    scanned = screened_columns(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+    scanned = screened_columns(columns, law.fitted.residual, law.fitted.jacobian, evaluation.problem.groups)
     chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
         return "no term of the grammar explains more than the best of them by an even chance"
-    known = {column.term.declaration.id: column.term for column in columns}
-
-    def together(contenders: Sequence[Contender]) -> list[RefittedTerm]:
-        judged = judge_each(contenders, problem, workers)
-        return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
-
-    # a term may fit best in another valley than the one that its best start lies in
-    fitted = together([_contender(law, scanned, start) for place in places for start in scanned.starts(place, VALLEYS)])
-    refitted, stopped = (best_of_each(one for one in fitted if one.stands == stands) for stands in (True, False))
-    refitted += [one for one in together(_related(law, refitted, known)) if one.stands]
+    refitted, stopped = _refitted(evaluation, scanned, places, workers)
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     workers.tell("ask the conditions that were kept back")
@@ -238,7 +229,7 @@ def _asked(
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
-    refining = Refining(_varied(problem), workers)
+    refining = Refining(_varied(evaluation.problem), workers)
     heard: list[TermFound] = []
     while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)
@@ -248,6 +239,34 @@ def _asked(
         alike = scanned.alike(place_of[best.term.declaration.id])
         left = left_to_hear(left, best, [bool(alike[place_of[one.term.declaration.id]]) for one in left])
     return heard[-1] if heard[-1].passed else heard[0]
+
+
+def _refitted(
+    evaluation: Evaluation, scanned: Screened, places: Sequence[int], workers: Workers
+) -> tuple[list[RefittedTerm], list[RefittedTerm]]:
+    """Fit terms together with the law, and what is related to the best of them.
+
+    Args:
+        evaluation: the law on the tests.
+        scanned: the terms' columns.
+        places: of the columns that are fitted.
+        workers: who does it, and who is told.
+
+    Returns:
+        of each term the best fit that nothing speaks against; and the best of the others.
+    """
+    law = evaluation.law
+    known = {column.term.declaration.id: column.term for column in scanned.columns}
+
+    def together(contenders: Sequence[Contender]) -> list[RefittedTerm]:
+        judged = judge_each(contenders, evaluation.problem, workers)
+        return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
+
+    # a term may fit best in another valley than the one that its best start lies in
+    fitted = together([_contender(law, scanned, start) for place in places for start in scanned.starts(place, VALLEYS)])
+    standing, stopped = (best_of_each(one for one in fitted if one.stands == stands) for stands in (True, False))
+    standing += [one for one in together(_related(law, standing, known)) if one.stands]
+    return standing, stopped
 
 
 def left_to_hear(left: Sequence[RefittedTerm], failed: RefittedTerm, alike: Sequence[bool]) -> list[RefittedTerm]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,30 +58,60 @@ def values_of(campaign: MetricCampaign) -> Mapping[str, Array]:
     return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}
 
 
+@dataclass(frozen=True)
+class _Settings:
+    """What was set in each test.
+
+    Attributes:
+        values: by column of runs.csv, shape (R,) each; nan where it isn't known.
+        levels: the level of each value, likewise.
+        drifting: columns that vary without levels.
+        varied: columns that vary, those among them.
+        specimens: of each test, "" where it has none.
+    """
+
+    values: Mapping[str, Array]
+    levels: Mapping[str, Array]
+    drifting: Sequence[str]
+    varied: Sequence[str]
+    specimens: Sequence[str]
+
+
+def _settings_of(campaign: MetricCampaign) -> _Settings:
+    values = values_of(campaign)
+    levels = {name: levels_of(name, own) for name, own in values.items()}
+    drifting = [name for name in values if _drifts(name, values[name], levels[name])]
+    varied = [name for name in values if name in drifting or len(_known(levels[name])) > 1]
+    return _Settings(values, levels, drifting, varied, [run.setup.specimen or "" for run in campaign.runs])
+
+
 def sweeps_of(campaign: MetricCampaign) -> tuple[Sweep, ...]:
     """Give each quantity that varies, in the order of `values_of`, with the curves that can be drawn over it."""
-    settings = values_of(campaign)
-    levels = {name: levels_of(name, values) for name, values in settings.items()}
-    drifting = [name for name in settings if _drifts(name, settings[name], levels[name])]
-    varied = [name for name in settings if name in drifting or len(_known(levels[name])) > 1]
-    specimens = [run.setup.specimen or "" for run in campaign.runs]
-    found = []
-    for quantity in varied:
-        held = [name for name in varied if name != quantity and name not in drifting]
-        groups: dict[tuple[str, tuple[tuple[str, float], ...]], list[int]] = {}
-        for row in np.flatnonzero(np.isfinite(settings[quantity])).tolist():
-            key = tuple((name, float(levels[name][row])) for name in held if np.isfinite(levels[name][row]))
-            groups.setdefault((specimens[row], key), []).append(row)
-        curves = [
-            Curve(specimen if len(set(specimens)) > 1 else "", key, tuple(sorted(rows, key=_by(settings[quantity]))))
-            for (specimen, key), rows in groups.items()
-            if len({float(levels[quantity][row]) for row in rows}) > 1 or quantity in drifting
-        ]
+    settings = _settings_of(campaign)
+    sweeps = []
+    for quantity in settings.varied:
+        curves = _curves_over(quantity, settings)
         if any(len(curve.rows) > 1 for curve in curves):
-            others = tuple(name for name in drifting if name != quantity)
-            curves.sort(key=lambda curve: (curve.specimen, [value for _, value in curve.held]))
-            found.append(Sweep(quantity, settings[quantity], tuple(curves), others))
-    return tuple(found)
+            others = tuple(name for name in settings.drifting if name != quantity)
+            sweeps.append(Sweep(quantity, settings.values[quantity], curves, others))
+    return tuple(sweeps)
+
+
+def _curves_over(quantity: str, settings: _Settings) -> tuple[Curve, ...]:
+    """Give the curves over a quantity: of tests of one specimen that differ in nothing else that was set to levels."""
+    values, levels = settings.values[quantity], settings.levels
+    held = [name for name in settings.varied if name != quantity and name not in settings.drifting]
+    groups: dict[tuple[str, tuple[tuple[str, float], ...]], list[int]] = {}
+    for row in np.flatnonzero(np.isfinite(values)).tolist():
+        key = tuple((name, float(levels[name][row])) for name in held if np.isfinite(levels[name][row]))
+        groups.setdefault((settings.specimens[row], key), []).append(row)
+    several = len(set(settings.specimens)) > 1
+    curves = [
+        Curve(specimen if several else "", key, tuple(sorted(rows, key=_by(values))))
+        for (specimen, key), rows in groups.items()
+        if len({float(levels[quantity][row]) for row in rows}) > 1 or quantity in settings.drifting
+    ]
+    return tuple(sorted(curves, key=lambda curve: (curve.specimen, [value for _, value in curve.held])))
 
 
 def _by(values: Array) -> Callable[[int], float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -79,55 +79,77 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
         UserError: two effects use one symbol or one path, or a modifier finds nothing to scale.
     """
     refuse_misfits(effects, base)
-    coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
-    effects = tuple(_without_idle(effect, coefficients) for effect in effects)
-    # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
-    fast_factors: dict[sp.Symbol, sp.Expr] = {}
+    plain = [coefficient for effect in effects for coefficient in effect.coefficients]
+    effects = tuple(_without_idle(effect, plain) for effect in effects)
     fast = FAST_SYMBOLS | {symbol for effect in effects for symbol in effect.within_steps}
-    for effect in effects:
-        for index, factor in scaled_by(effect, coefficients):
-            entry = coefficients[index]
-            if factor.free_symbols & fast:
-                fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
-            else:
-                coefficients[index] = replace(entry, expression=entry.expression * factor)
+    coefficients, fast_factors = _scaled(effects, plain, fast)
     in_series = {symbols.x: next((each.replaces[symbols.x] for each in _replacing(symbols.x, effects)), symbols.y)}
 
     def whole(expression: sp.Expr) -> sp.Expr:
         return replaced(replaced(expression, fast_factors), in_series)
 
-    def path(some: Iterable[Effect]) -> Path:
-        terms = list(some)
-        return Path(
-            whole(sp.Add(*(effect.force for effect in terms))),
-            whole(sp.Add(*(effect.energy for effect in terms))),
-            tuple(replace(state, update=whole(state.update)) for effect in terms for state in effect.states),
-            tuple(replace(stage, expression=whole(stage.expression)) for effect in terms for stage in effect.stages),
-        )
-
-    parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
     before = next(iter(_replacing(symbols.y, effects)), None)
-    clamp = path(effect for effect in effects if effect.part != "rig" and effect is not before)
+    clamp = _path([effect for effect in effects if effect.part != "rig" and effect is not before], whole)
     clamp = behind(before, clamp) if before else clamp
-    rig = path(effect for effect in effects if effect.part == "rig")
+    rig = _path([effect for effect in effects if effect.part == "rig"], whole)
     force, energy = clamp.force + rig.force, clamp.energy + rig.energy
     states, stages = (*clamp.states, *rig.states), (*clamp.stages, *rig.stages)
+    parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
     # A slow signal within a force is a coefficient of its own, held over a cycle as the others are.
     known = fast | FIXED_SYMBOLS | {entry.symbol for entry in parameters} | {entry.symbol for entry in coefficients}
     known |= {stage.symbol for stage in stages}
     within = [*(stage.expression for stage in stages), *(state.update for state in states)]
     bare = set().union(*(entry.free_symbols for entry in (force, energy, *within))) - known
     held = {symbol: sp.Symbol(f"{symbol}{HELD}", real=True) for symbol in sorted(bare, key=str)}
-    coefficients += [Coefficient(symbol, symbols.unit(signal), None, signal) for signal, symbol in held.items()]
     return Composed(
         effects=effects,
         parameters=parameters,
-        coefficients=tuple(coefficients),
+        coefficients=(
+            *coefficients,
+            *(Coefficient(symbol, symbols.unit(signal), None, signal) for signal, symbol in held.items()),
+        ),
         force=replaced(force, held),
         states=tuple(replace(state, update=replaced(state.update, held)) for state in states),
         stages=tuple(replace(stage, expression=replaced(stage.expression, held)) for stage in stages),
         energy=replaced(energy, held),
         lag=sp.Add(*(effect.lag for effect in effects)),
+    )
+
+
+def _scaled(
+    effects: Iterable[Effect], coefficients: Sequence[Coefficient], fast: frozenset[sp.Symbol]
+) -> tuple[list[Coefficient], dict[sp.Symbol, sp.Expr]]:
+    """Give coefficients with the factors that effects scale them by.
+
+    A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
+
+    Args:
+        effects: all of the law's.
+        coefficients: as their effects state them.
+        fast: symbols that change within a cycle.
+
+    Returns:
+        the coefficients; and what stands in the force for those that fast factors scale, by symbol.
+    """
+    scaled = list(coefficients)
+    fast_factors: dict[sp.Symbol, sp.Expr] = {}
+    for effect in effects:
+        for index, factor in scaled_by(effect, scaled):
+            entry = scaled[index]
+            if factor.free_symbols & fast:
+                fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
+            else:
+                scaled[index] = replace(entry, expression=entry.expression * factor)
+    return scaled, fast_factors
+
+
+def _path(effects: Sequence[Effect], whole: Callable[[sp.Expr], sp.Expr]) -> Path:
+    """Give the sum of effects side by side; `whole` makes an effect's expression the law's."""
+    return Path(
+        whole(sp.Add(*(effect.force for effect in effects))),
+        whole(sp.Add(*(effect.energy for effect in effects))),
+        tuple(replace(state, update=whole(state.update)) for effect in effects for state in effect.states),
+        tuple(replace(stage, expression=whole(stage.expression)) for effect in effects for stage in effect.stages),
     )
 
 

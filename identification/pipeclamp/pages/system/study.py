@@ -31,32 +31,15 @@ def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None
     fine = frame.filter(pl.col("error") == "")
     points = [name for name in frame.columns if name.endswith(LEVEL)]
     axes = list(study.description.axes)
-    lines = [
-        f"study {study.description.name!r}: {frame.height} cases, {study.description.measure}; varied: "
-        f"{', '.join(named(axis)[0] for axis in axes)}"
-    ]
-    if failed.height:
-        lines.append(f"{failed.height} cases gave no result; the first: {failed['error'][0]}")
-    for name in points:
-        known = fine.filter(pl.col(name).is_not_null())
-        if not known.height:
-            continue
-        for word, order in (("least", False), ("most", True)):
-            row = known.sort(name, descending=order).row(0, named=True)
-            where = ", ".join(axis_setting(axis, row[axis]) for axis in axes)
-            lines.append(f"{name.removesuffix(LEVEL)} moves {word} at {where}: {row[name]:.4g} mm")
-    unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
-    if unstable:
-        lines.append(f"{unstable} cases are not stable")
     marks = _marks(fine, axes)
-    lines += marks
-    for name in (column.removesuffix(IN_RANGE) for column in frame.columns if column.endswith(IN_RANGE)):
-        inside = fine[f"{name}{IN_RANGE}"].drop_nulls()
-        if not inside.all():
-            lines.append(
-                f"{name}: its law is used beyond the range of its data in {(~inside).sum()} of {inside.len()} cases"
-            )
-    lines += _bands_words(study, fine, points)
+    what = [
+        *([f"{failed.height} cases gave no result; the first: {failed['error'][0]}"] if failed.height else []),
+        *_extremes_words(fine, points, axes),
+        *_unstable_words(fine),
+        *marks,
+        *_range_words(fine),
+        *_bands_words(study, fine, points),
+    ]
     figures = [_picture(fine, axes, name) for name in points if fine.height and fine[name].max()]
     if marks:
         for figure in figures:
@@ -65,10 +48,45 @@ def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None
     tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []
     note = "Over the first two of what is varied; the largest over the rest." if len(axes) > 1 else ""
     first, line = (following.before(), following.line) if following else ([], "")
-    how, *what = lines
+    how = (
+        f"study {study.description.name!r}: {frame.height} cases, {study.description.measure}; varied: "
+        f"{', '.join(named(axis)[0] for axis in axes)}"
+    )
     # what came out stands before how; names of places that begin a line stay as they are
     answer = Section("What came out", [*(f"{each}." for each in what), sentence(how), *first], command=line)
     return [answer, Section("Vibration level", (note,) if note else (), tables, figures)]
+
+
+def _extremes_words(fine: pl.DataFrame, points: list[str], axes: list[str]) -> list[str]:
+    """Say where each place moves least and most."""
+    lines = []
+    for name in points:
+        known = fine.filter(pl.col(name).is_not_null())
+        if not known.height:
+            continue
+        for word, order in (("least", False), ("most", True)):
+            row = known.sort(name, descending=order).row(0, named=True)
+            where = ", ".join(axis_setting(axis, row[axis]) for axis in axes)
+            lines.append(f"{name.removesuffix(LEVEL)} moves {word} at {where}: {row[name]:.4g} mm")
+    return lines
+
+
+def _unstable_words(fine: pl.DataFrame) -> list[str]:
+    """Say how many cases aren't stable; nothing where that wasn't asked."""
+    unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
+    return [f"{unstable} cases are not stable"] if unstable else []
+
+
+def _range_words(fine: pl.DataFrame) -> list[str]:
+    """Say which clamps' laws are used beyond the range of their data."""
+    lines = []
+    for name in (column.removesuffix(IN_RANGE) for column in fine.columns if column.endswith(IN_RANGE)):
+        inside = fine[f"{name}{IN_RANGE}"].drop_nulls()
+        if not inside.all():
+            lines.append(
+                f"{name}: its law is used beyond the range of its data in {(~inside).sum()} of {inside.len()} cases"
+            )
+    return lines
 
 
 def named(axis: str) -> tuple[str, str]:
