@@ -16,7 +16,7 @@ def clamp_dependencies(
     A and f may be tracked, whenever `track` is set: then the motion and the time since the last step move them.
 
     Args:
-        source: the law's, see `pipeclamp.realise.scalar.python_source`.
+        source: the law's, see `pipeclamp_models.realise.scalar.python_source`.
         variables: of the clamp.
         further: names of the parameters that state further conditions.
         states: names of the continuous states; the last is the dissipated energy.

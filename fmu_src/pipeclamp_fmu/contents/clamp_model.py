@@ -88,7 +88,7 @@ class ClampModel:
 
     Attributes:
         name: the law's name.
-        source: its generated source, see `pipeclamp.realise.scalar.python_source`.
+        source: its generated source, see `pipeclamp_models.realise.scalar.python_source`.
         coefficients: in the order in which the source takes them.
         range_A: amplitudes that its data hold, mm.
         range_f: frequencies, Hz.

@@ -37,7 +37,7 @@ def steady_loop(module: str, values: str) -> ReferenceLoop:
     """Run a clamp's generated module along two cycles of its default amplitude and frequency.
 
     Args:
-        module: see `pipeclamp_fmu.clamp.clamp_module`.
+        module: see `contents.clamp.clamp_module`.
         values: its file of values.
     """
     slave = instance_of(module, ClampSlave.__name__, values)

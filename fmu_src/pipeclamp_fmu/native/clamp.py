@@ -41,7 +41,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
 
     Args:
         model: the law.
-        source: the law in C, see `pipeclamp.realise.c.c_source`.
+        source: the law in C, see `pipeclamp_models.realise.c.c_source`.
         states: of its memory.
         version: of this program.
     """

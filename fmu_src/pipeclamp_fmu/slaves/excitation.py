@@ -1,6 +1,6 @@
 """An excitation as an FMI 2.0 co-simulation slave: samples at equal steps, linear between them, zero after the last.
 
-The builder makes one module of this file, `plain_slave` and generated samples in place of `stand_in_samples`.
+The builder makes one module of this file, `plain` and generated samples in place of `stand_in_samples`.
 """
 
 from __future__ import annotations

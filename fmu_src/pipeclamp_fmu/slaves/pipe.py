@@ -1,6 +1,6 @@
 """A pipe in modes as an FMI 2.0 co-simulation slave on the standard library alone.
 
-The builder makes one module of this file, `plain_slave`, `pipeclamp.pipe_step` and a generated pipe in place of
+The builder makes one module of this file, `plain`, `pipe.step`, `pipe.coupled_step` and a generated pipe in place of
 `stand_in_pipe`, and gives the class a name of its own.
 
 q'' + damping q' + omega^2 q = participation u - sum over clamps of shape f, stepped exactly for inputs that are held

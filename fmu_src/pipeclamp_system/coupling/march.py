@@ -5,9 +5,9 @@ takes these and gives its force. Over a step from t to t + h:
 
 parallel (Jacobi, order 1): all step at once with what the others gave at t.
 sequential (Gauss-Seidel, order 1): the pipe steps with the forces given at t, then the clamps with the motion at t + h.
-implicit (order 2): forces linear over the step; its end is linearised once, see `implicit_coupling`.
+implicit (order 2): forces linear over the step; its end is linearised once, see `coupling.implicit`.
 iterated (order 2): forces linear over the step, and at its end those that the clamps give for the motion that results:
-    clamps(pipe(f)) = f, every trial a roll-back and a new step, see `iterated`.
+    clamps(pipe(f)) = f, every trial a roll-back and a new step, see `coupling.iterated`.
 """
 
 from __future__ import annotations

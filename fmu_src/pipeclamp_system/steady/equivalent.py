@@ -40,8 +40,8 @@ def equivalent(
     if not np.all(np.abs(free) > 0):
         return None
     for round_ in range(MOST_ROUNDS):
-        told = forces(motion, frequency)[0, :, 1] / motion[0, :, 1]
-        stiffness = told if round_ == 0 else (1 - TAKEN) * stiffness + TAKEN * told
+        secant = forces(motion, frequency)[0, :, 1] / motion[0, :, 1]
+        stiffness = secant if round_ == 0 else (1 - TAKEN) * stiffness + TAKEN * secant
         try:
             moved = np.linalg.solve(np.eye(count) - mobility * stiffness, free)
         except np.linalg.LinAlgError:

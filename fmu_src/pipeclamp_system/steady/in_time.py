@@ -49,8 +49,8 @@ ROUND_SHARE, LONGEST_ROUND, KEPT = 2e-3, 12, 48
 """Share by which a motion that comes round in several cycles may be off itself then, most of these cycles, and cycles
 that are kept to tell."""
 
-HARMONICS_TOLD = 128
-"""That a motion is told by, from 0."""
+MOST_HARMONICS = 128
+"""Harmonics of a marched motion that are given, from 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,23 +193,23 @@ class InTime:
             if cycle > 1:
                 changes.append(_change(kept[-1], kept[-2]))
             if cycle >= FEWEST_CYCLES_MARCHED and _missing(changes) <= REPEATING_SHARE:
-                return self._told(frequency, 1, cycle, changes, kept[-1:], forces, now)
+                return self._marched_motion(frequency, 1, cycle, changes, kept[-1:], forces, now)
             if (
                 cycle % LOOKED_BACK == 0
                 and cycle >= HOPELESS_CYCLES
                 and _too_slow(changes, MOST_CYCLES_MARCHED - cycle)
             ):
                 break
-        return self._told(frequency, _round(kept), cycle, changes, kept, forces, now)
+        return self._marched_motion(frequency, _round(kept), cycle, changes, kept, forces, now)
 
-    def _told(
+    def _marched_motion(
         self, frequency: float, round_: int, cycles: int, changes: Sequence[float], kept: Sequence[Array],
         forces: Array, end: Standing,
     ) -> MarchedMotion:  # fmt: skip
         ranges = np.array([np.ptp(one, axis=1) / 2 for one in kept])
         # What a step ends with stands at its end: the last one is the cycle's beginning.
         points, into = (
-            harmonics_of(np.roll(signals, 1, axis=1), min(HARMONICS_TOLD, signals.shape[1] // 2))
+            harmonics_of(np.roll(signals, 1, axis=1), min(MOST_HARMONICS, signals.shape[1] // 2))
             for signals in (kept[-1], forces.T)
         )
         decay = frequency * log(max(_rate(changes), np.finfo(float).tiny))

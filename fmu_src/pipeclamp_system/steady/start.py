@@ -78,10 +78,10 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
     at, drive = np.array([frequency]), np.array([pipe.excitation(frequency)])
     more = STICKING if pipe.rubbing and not pipe.stated_harmonics else 1
     responses = pipe.responses(at, min(more * pipe.harmonics, pipe.most_harmonics))
-    told = equivalent(pipe.forces, responses[0, : pipe.clamps], -1j * float(drive[0]), at)
-    if told is None:
+    springs = equivalent(pipe.forces, responses[0, : pipe.clamps], -1j * float(drive[0]), at)
+    if springs is None:
         return None
-    guess, stiffness = told
+    guess, stiffness = springs
     size = float(np.abs(guess).max())
 
     def equation(unknowns: Array, share: float) -> Evaluated:

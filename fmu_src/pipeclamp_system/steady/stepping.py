@@ -156,7 +156,7 @@ def _half_jumps(clamp: SteadyClamp, cycle: Motion, speeds: Array) -> Array:
     """Give half of what the force changes by from a velocity to the opposite one, at rest, (velocities, n)."""
     many = cycle.rows(np.zeros(2 * speeds.size, dtype=np.intp))
     v = np.concatenate([speeds, -speeds])[:, None] * np.ones_like(cycle.v)
-    up, down = np.split(_force(clamp, _told_speed(many, v)), 2)
+    up, down = np.split(_force(clamp, _at_velocity(many, v)), 2)
     return np.asarray((up - down) / 2)
 
 
@@ -165,7 +165,7 @@ def _force(clamp: SteadyClamp, cycle: Motion) -> Array:
     return force_of_equations(equations, clamp.law.vector(equations), (clamp.law.v_r, clamp.law.y_r), cycle).force
 
 
-def _told_speed(cycle: Motion, v: Array) -> Motion:
+def _at_velocity(cycle: Motion, v: Array) -> Motion:
     """Give a motion with another velocity at its samples; that is then the one at which the force is wanted."""
     return replace(cycle, v=v, a=np.zeros_like(v))
 
@@ -267,7 +267,7 @@ class Friction:
         """Give what a clamp's force, but for its step, answers to fast small motions, N/mm, (h,)."""
         slow = slow_speed(clamp, cycle, step)
         v = np.where(cycle.v < 0, np.minimum(cycle.v, -slow), np.maximum(cycle.v, slow))
-        law = along(clamp, _told_speed(cycle, v))
+        law = along(clamp, _at_velocity(cycle, v))
         return np.asarray(law.by_argument[0, Y].mean() + law.by_argument[0, V].mean() * self._turn)
 
     def at_edges(self, motion: ComplexArray) -> Array:
@@ -386,7 +386,7 @@ class Rubbed:
             laws = []
             for sign, limited in ((1, np.maximum(cycle.v, slow)), (-1, np.minimum(cycle.v, -slow))):
                 v = np.where(side == -sign, cycle.v, limited)  # which has no share there
-                law = along(clamp, _told_speed(cycle, v))
+                law = along(clamp, _at_velocity(cycle, v))
                 law.by_argument[:, V] *= v[0] == cycle.v[0]
                 laws.append(law)
             up, down = laws

@@ -32,7 +32,7 @@ class ClampEquations:
     Attributes:
         start: the history states at the start.
         coefficients: what the law's step takes first.
-        step: the law's step, as `pipeclamp.realise.scalar` describes it.
+        step: the law's step, as `pipeclamp_models.realise.scalar` describes it.
     """
 
     start: tuple[float, ...]
@@ -131,7 +131,7 @@ def solve_monolithic(
     absolute[count : 2 * count] = 1e-12 / largest * np.maximum(pipe.omega, pipe.omega[-1] / 100)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ODEintWarning)  # what failed is in the message
-        states, told = odeint(
+        states, report = odeint(
             rates,
             start,
             time,
@@ -142,8 +142,10 @@ def solve_monolithic(
             hmax=float(time[-1]) / 200,  # so that a slow start doesn't step over the excitation
             mxstep=10**9,  # between two times: as many as the tolerance takes
         )
-    if told["message"] != SOLVED:
-        raise ArithmeticError(f"the monolithic solution fails after t = {told['tcur'].max():g} s: {told['message']}")
+    if report["message"] != SOLVED:
+        raise ArithmeticError(
+            f"the monolithic solution fails after t = {report['tcur'].max():g} s: {report['message']}"
+        )
     if not np.isfinite(states).all():
         raise ArithmeticError("the monolithic solution grows beyond all numbers")
     q, p = states[:, :count], states[:, count : 2 * count]

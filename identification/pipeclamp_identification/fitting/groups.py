@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,8 @@ STRANGE = 5.0
 """Standard deviations that a run must be off its own group, by the others' scatter, to be of another one."""
 AT_HOME = 1 / 3
 """And no more than this share of that off the other one."""
+OF_NORMAL = 1.4826
+"""Standard deviation of normal scatter, over the median of its sizes."""
 MOST_STRANGE = 0.1
 """Share of the runs that may be strangers; more say that the column itself is in doubt."""
 
@@ -393,7 +395,40 @@ def _at_home(
 def strangest_run(
     labels: Sequence[str], names: Sequence[str], known: Mapping[GroupQuantity, Array], fixed: Array, limit: float
 ) -> tuple[int, str] | None:
-    """Give the run that is farthest off its own group and at home in another, and that group; None where none is."""
+    """Give the run that is farthest off its own group and at home in another, and that group; None where none is.
+
+    Args:
+        labels: the group of each run, "" where it has none.
+        names: the groups'.
+        known: quantities of the runs, shape (R,) each.
+        fixed: orthonormal functions of the conditions, shape (R, p).
+        limit: largest chance at which a quantity's groups count as different.
+    """
+    off = _off_groups(labels, names, known, fixed, limit)
+    if off is None:
+        return None
+    for row in np.argsort(-off.own).tolist():
+        if off.own[row] < STRANGE**2:
+            return None
+        if not labels[row]:
+            continue
+        home = int(np.argmin(off.others[row]))
+        if off.others[row, home] <= AT_HOME**2 * off.own[row] and names[home] != labels[row]:
+            return row, names[home]
+    return None
+
+
+class _OffGroups(NamedTuple):
+    """By how many scatters runs are off, squared, over all quantities: off their own groups (R,), off each (R, G)."""
+
+    own: Array
+    others: Array
+
+
+def _off_groups(
+    labels: Sequence[str], names: Sequence[str], known: Mapping[GroupQuantity, Array], fixed: Array, limit: float
+) -> _OffGroups | None:
+    """Give by how much runs are off groups; None where groups differ in no quantity. Arguments of `strangest_run`."""
     member = _member(labels, names)
     basis = np.concatenate([fixed, member], axis=1)
     left, singular, right = np.linalg.svd(basis, full_matrices=False)
@@ -402,34 +437,25 @@ def strangest_run(
     leverage = np.minimum(np.sum(span**2, axis=1), 1.0)
     # a run that alone is at its conditions shows no scatter
     shows = leverage < 1 - 1e-6
-    square = np.zeros(len(labels))
-    elsewhere = np.zeros((len(labels), len(names)))
-    told = 0
-    for values in known.values():
-        if not np.all(np.isfinite(values)) or _chance(values, fixed, member) >= limit:
-            continue
-        told += 1
+    differing = [
+        values for values in known.values() if np.all(np.isfinite(values)) and _chance(values, fixed, member) < limit
+    ]
+    if not differing:
+        return None
+    own = np.zeros(len(labels))
+    others = np.zeros((len(labels), len(names)))
+    for values in differing:
         rest = values - span @ (span.T @ values)
         # a run that is off pulls its own group along: what it would be off had it been left out
         off = rest / np.maximum(1 - leverage, 1e-6)
-        scatter = 1.4826 * float(np.median(np.abs(rest[shows])) / np.sqrt(np.median(1 - leverage[shows])))
+        scatter = OF_NORMAL * float(np.median(np.abs(rest[shows])) / np.sqrt(np.median(1 - leverage[shows])))
         solution = (right[kept].T / singular[kept]) @ (span.T @ values)
         share = solution[fixed.shape[1] :]
         scatter = max(scatter, 1e-12)
         weight = np.sqrt(1 - leverage) / scatter
-        square += (off * weight) ** 2
+        own += (off * weight) ** 2
         for row, label in enumerate(labels):
             if label:
                 step = share - share[names.index(label)]
-                elsewhere[row] += ((off[row] - step) * weight[row]) ** 2
-    if not told:
-        return None
-    for row in np.argsort(-square).tolist():
-        if square[row] < STRANGE**2:
-            return None
-        if not labels[row]:
-            continue
-        home = int(np.argmin(elsewhere[row]))
-        if elsewhere[row, home] <= AT_HOME**2 * square[row] and names[home] != labels[row]:
-            return row, names[home]
-    return None
+                others[row] += ((off[row] - step) * weight[row]) ** 2
+    return _OffGroups(own, others)

@@ -1,4 +1,4 @@
-"""polars, with Ctrl-C left to Python: `from pipeclamp_identification.tables import pl`.
+"""polars, with Ctrl-C left to Python: `from pipeclamp_models.base.tables import pl`.
 
 When it is imported, polars takes the signal. Of an interrupt in one of its calls it then makes two: the second one
 comes in the middle of what cleans up after the first.

@@ -158,8 +158,8 @@ class ReducedPipe:
         """Say what the reduction costs with clamps."""
         if not self.errors.clamped_at:
             return ""
-        stiffest = max(self.errors.clamped_at) / 1e3
-        return f", and by {100 * self.errors.clamped:.2g}% with clamps of any stiffness (most at {stiffest:.2g} N/mm)"
+        stiffest = float(f"{max(self.errors.clamped_at) / 1e3:.2g}")
+        return f", and by {100 * self.errors.clamped:.2g}% with clamps of any stiffness (most at {stiffest:g} N/mm)"
 
     def _about_stability(self) -> list[str]:
         """Say what axial force and flow do."""
