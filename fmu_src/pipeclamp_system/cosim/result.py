@@ -235,28 +235,49 @@ class CosimResult:
     def summary(self) -> str:
         """Give amplitudes and the energy balance, for a person to read."""
         trials = self.columns["trials"][1:]
+        parts = (f"{NAMES[name]} {value:.4g}" for name, value in self.energy.final().items())
         lines = [
             f"system {self.name!r}: {self.time.size - 1} {self.scheme} steps of {self._step_text()}, "
             f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})",
             *self.marks(),
+            *self._about_amplitudes(),
+            *self._about_settling(),
+            *self._about_repetition(),
+            *self._about_short_run(),
+            *self._about_small_error(),
+            f"energy, J: {', '.join(parts)}",
+            *(line for clamp in self.system.clamps for line in self._about_other_motion(clamp)),
+            *(self._about_conditions(clamp) for clamp in self.system.clamps),
+            *(f"{name}: its law was used beyond the range of its data" for name in self.out_of_range),
+            *(f"warning: {warning}" for warning in self.warnings),
         ]
-        lines += [
-            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm, "
-            f"force {self.amplitude(f'{name}.f'):.4g} N over the last fifth of the run"
-            for name in self.clamp_names
+        return "\n".join(lines)
+
+    def _about_amplitudes(self) -> list[str]:
+        """Say how far clamps and probes move, and with which force."""
+        late = "over the last fifth of the run"
+        moved = {name: f"{1e3 * self.amplitude(f'{name}.s'):.4g} mm" for name in (*self.clamp_names, *self.probe_names)}
+        return [
+            *(
+                f"{name}: amplitude {moved[name]}, force {self.amplitude(f'{name}.f'):.4g} N {late}"
+                for name in self.clamp_names
+            ),
+            *(f"{name}: amplitude {moved[name]} {late}" for name in self.probe_names),
         ]
-        lines += [
-            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm over the last fifth of the run"
-            for name in self.probe_names
-        ]
-        lines += [
+
+    def _about_settling(self) -> list[str]:
+        """Say where an amplitude still changes; nothing of one that swings, of which more is said."""
+        if self.beats is not None:
+            return []
+        return [
             f"not settled: the amplitude at {name} changes by {change:.1%} from the last fifth but one to the last, "
             f"expected at most {SETTLED_SHARE:.0%}; use a larger stop_s"
             for name, change in self.unsettled.items()
-            if self.beats is None
         ]
-        lines += self._about_repetition()
-        lines += self._about_short_run()
+
+    def _about_small_error(self) -> list[str]:
+        """Say by how much the motion errs for its steps, where that is little, or why it isn't known."""
+        lines = []
         if self.beats is not None:
             lines.append("the displacement's error for its steps isn't told: two runs of a swing drift apart")
         if self.step_error is not None and self.step_error <= self.trusted_share:
@@ -264,25 +285,21 @@ class CosimResult:
                 f"the displacement errs by {self.step_error:.2%} in amplitude and phase by its time steps: a second "
                 "run in other steps tells it"
             )
-        parts = (f"{NAMES[name]} {value:.4g}" for name, value in self.energy.final().items())
-        lines.append(f"energy, J: {', '.join(parts)}")
-        for clamp in self.system.clamps:
-            name = clamp.at
-            found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]
-            off = self.columns[f"{name}.forceDeviation"][-1]
-            by = f"its force is off by {off:.1%}"
-            so = f", so that {by}"
-            if abs(found - assumed) > MISMATCH * assumed:
-                lines.append(
-                    f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with "
-                    f"{1e3 * found:.4g} mm{so if off > LIMIT else ''}: {self._about_mismatch(clamp)}"
-                )
-            elif off > LIMIT:
-                lines.append(f"{name}: {by} for the A and f of its motion: {self._about_mismatch(clamp)}")
-        lines += [self._about_conditions(clamp) for clamp in self.system.clamps]
-        lines += [f"{name}: its law was used beyond the range of its data" for name in self.out_of_range]
-        lines += [f"warning: {warning}" for warning in self.warnings]
-        return "\n".join(lines)
+        return lines
+
+    def _about_other_motion(self, clamp: ClampSource) -> list[str]:
+        """Say where a law is taken for another A and f than those of the motion, and what helps."""
+        name = clamp.at
+        found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]
+        off = self.columns[f"{name}.forceDeviation"][-1]
+        by = f"its force is off by {off:.1%}"
+        if abs(found - assumed) > MISMATCH * assumed:
+            so = f", so that {by}" if off > LIMIT else ""
+            return [
+                f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with "
+                f"{1e3 * found:.4g} mm{so}: {self._about_mismatch(clamp)}"
+            ]
+        return [f"{name}: {by} for the A and f of its motion: {self._about_mismatch(clamp)}"] if off > LIMIT else []
 
     def _about_mismatch(self, clamp: ClampSource) -> str:
         """Say what helps where a law is taken for another amplitude than that of the motion."""

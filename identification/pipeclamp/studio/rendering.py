@@ -16,6 +16,7 @@ from pipeclamp.show.metrics import MEANINGS_STATED, metric_campaign_words, metri
 from pipeclamp.show.table import cell
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened, OpenedMetrics
+from pipeclamp.studio.diagnosis_shown import DiagnosisShown
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
@@ -26,6 +27,9 @@ from pipeclamp_identification.workflow.next_command import after_change, after_i
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError
+
+LINES_OF_A_LAW = ("diagnose", "diagnosed", "refit", "climb", "discover", "report", "respond", "build")
+"""Buttons of a campaign's page that do something with its law."""
 
 
 def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> str:
@@ -48,23 +52,6 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
     first_map = shown.map if shown else overview.tests_map(bench, by)
     worst = first_map.worst()
     diagnosis = shown.diagnosis if shown else None
-    lines = {
-        "identify": {base: commands.identify_line(project, project.upcoming, base) for base in commands.BASES},
-        "diagnose": commands.diagnose_line(project, name) if name else "",
-        "diagnosed": _last_diagnosis(project, name) or (commands.diagnose_line(project, name) if name else ""),
-        "add": {
-            each.name: commands.add_line(project, name, each.name, diagnosis.meant(each.name), project.upcoming)
-            for each in diagnosis.candidates
-        }
-        if diagnosis and name
-        else {},
-        "refit": commands.refit_line(project, name, project.upcoming) if name else "",
-        "climb": commands.climb_line(project, name, project.upcoming) if name else "",
-        "discover": commands.discover_line(project, name, project.upcoming) if name else "",
-        "report": commands.report_line(project, name) if name else "",
-        "respond": commands.response_line(project, name) if name else "",
-        "build": commands.build_line(project, name, "python") if name else "",
-    }
     return page(
         "campaign.html.jinja",
         key=opened.key,
@@ -80,7 +67,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         worst=worst.runs[0] if worst else "",
         diagnosis=diagnosis,
         runs=len(bench.loops.run),
-        lines=lines,
+        lines=_command_lines(project, name, diagnosis),
         discovery=discovery_in(project, name, project.law(name)) if name else None,
         bases=commands.BASES,
         steps=project.steps,
@@ -90,6 +77,31 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         on_pipe=shown_on_pipe(project.folder / f"{name}.response.json") if name else None,
         made={suffix for suffix in ("fmu", "html") if name and (project.folder / f"{name}.{suffix}").is_file()},
     )
+
+
+def _command_lines(project: Project, name: str | None, diagnosis: DiagnosisShown | None) -> dict[str, Any]:
+    """Give the command that each button of a campaign's page runs; empty where there is no law to run it with."""
+    identify = {base: commands.identify_line(project, project.upcoming, base) for base in commands.BASES}
+    if name is None:
+        return {"identify": identify, "add": {}, **dict.fromkeys(LINES_OF_A_LAW, "")}
+    diagnose = commands.diagnose_line(project, name)
+    return {
+        "identify": identify,
+        "add": {
+            each.name: commands.add_line(project, name, each.name, diagnosis.meant(each.name), project.upcoming)
+            for each in diagnosis.candidates
+        }
+        if diagnosis
+        else {},
+        "diagnose": diagnose,
+        "diagnosed": _last_diagnosis(project, name) or diagnose,
+        "refit": commands.refit_line(project, name, project.upcoming),
+        "climb": commands.climb_line(project, name, project.upcoming),
+        "discover": commands.discover_line(project, name, project.upcoming),
+        "report": commands.report_line(project, name),
+        "respond": commands.response_line(project, name),
+        "build": commands.build_line(project, name, "python"),
+    }
 
 
 def metrics_page(opened: OpenedMetrics) -> str:
@@ -113,7 +125,7 @@ def metrics_page(opened: OpenedMetrics) -> str:
     )
 
 
-def _last_diagnosis(project: Project, law: str | None) -> str:
+def _last_diagnosis(project: Project, law: str) -> str:
     """Give the command that diagnosed a law last."""
     done = [step.command for step in project.steps if step.of == law and step.law is None]
     return next((command for command in reversed(done) if command.startswith("pipeclamp diagnose")), "")

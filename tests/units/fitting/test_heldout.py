@@ -63,21 +63,16 @@ def test_of_one_test_nothing_can_be_left_out(tmp_path):
 
 @pytest.mark.parametrize(
     ("currents", "groups"),
-    [((0.0, 1.0, 2.0), None), ((0.0, 0.5, 1.0, 2.0), [-1, 0, 1, -1]), ((2.0, 0.5, 1.0, 0.0, 4.0), [2, 0, 1, -1, -1])],
+    [
+        ((0.0, 1.0, 2.0), None),
+        ((0.0, 0.5, 1.0, 2.0), [-1, 0, 1, -1]),
+        ((2.0, 0.5, 1.0, 0.0, 4.0), [2, 0, 1, -1, -1]),
+        # runs of which it isn't known are no level of it
+        ((0.0, 1.0, 2.0, np.nan), None),
+        ((0.0, np.nan, 0.5, 1.0, 2.0, np.nan), [-1, -1, 0, 1, -1, -1]),
+    ],
 )
 def test_of_a_further_condition_what_lies_between_is_left_out(currents, groups, run_of, campaign_of, harmonic_record):
-    runs = [run_of(harmonic_record(), f"{place}", conditions={"i": each}) for place, each in enumerate(currents)]
-    found = further_groups(loops_of(campaign_of(*runs)))
-    assert (found["i"].tolist() if "i" in found else None) == groups
-
-
-@pytest.mark.parametrize(
-    ("currents", "groups"),
-    [((0.0, 1.0, 2.0, np.nan), None), ((0.0, np.nan, 0.5, 1.0, 2.0, np.nan), [-1, -1, 0, 1, -1, -1])],
-)
-def test_runs_of_which_a_further_condition_is_not_known_are_no_level_of_it(
-    currents, groups, run_of, campaign_of, harmonic_record
-):
     runs = [run_of(harmonic_record(), f"{place}", conditions={"i": each}) for place, each in enumerate(currents)]
     found = further_groups(loops_of(campaign_of(*runs)))
     assert (found["i"].tolist() if "i" in found else None) == groups
