@@ -47,7 +47,7 @@ def test_what_lies_between_the_temperatures_tested_is_told_there(tmp_path):
 def test_terms_that_differ_by_less_than_is_material_are_told_by_no_test(tmp_path):
     """A sine on which they differ by 0.07 times the scatter had been what tells them apart."""
     law = law_of(open_law("emwm2"))
-    plan = TestPlan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    plan = Plan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)
     write_campaign(tmp_path / "campaign", virtual_runs(law, plan), name="virtual", notes="")
     loops = loops_of(read_campaign(tmp_path / "campaign"))
     softer, stiffer = (
