@@ -12,7 +12,14 @@ from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
-from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, unproved_of, untested_words
+from pipeclamp_identification.diagnosis.named import (
+    NO_PROOF,
+    WITH,
+    by_history,
+    few_levels_words,
+    unproved_of,
+    untested_words,
+)
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
@@ -162,6 +169,7 @@ class RecordDiagnosed:
         """Say why, and what is left over."""
         return (
             *self.reasons(), *self.untested(), *self.cautions(), *self.left_over(), *self.farthest_off(),
+            *self.few_levels(),
         )  # fmt: skip
 
     @property
@@ -183,10 +191,21 @@ class RecordDiagnosed:
         """Say why the verdict is what it is, and which noise is meant where that isn't scatter."""
         return (*self.diagnosis.reasons, *(() if self.knows_scatter else (SINGLE_CYCLES,)))
 
+    @property
+    def _law_stays(self) -> bool:
+        return self.verdict in ("complete", "unknown")
+
     def farthest_off(self) -> tuple[str, ...]:
         """Say where a law that stays as it is is farthest off for the force there."""
-        stays = self.verdict in ("complete", "unknown")
-        return tuple(filter(None, [self.comparison.farthest_off])) if stays else ()
+        return tuple(filter(None, [self.comparison.farthest_off])) if self._law_stays else ()
+
+    def few_levels(self) -> tuple[str, ...]:
+        """Say what a law that stays as it is does unasked between the levels of further conditions."""
+        if not self._law_stays:
+            return ()
+        result = self.diagnosis.law.result
+        fitted = [result.equations.parameters[place] for place in result.places]
+        return few_levels_words(fitted, self.diagnosis.problem.loops.conditions)
 
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""

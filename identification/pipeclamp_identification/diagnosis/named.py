@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
-from pipeclamp_identification.signals.levels import varies
+from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels, varies
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LawFile, NamedKind, Verdict
+from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.step import LawStep, read_step
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
@@ -64,6 +66,26 @@ def untested_words(slow: Mapping[str, Array], *, timed: bool) -> tuple[str, ...]
         for name, (condition, unit) in OF_A_MOTION.items()
         if not varies(name, slow[name]) and name not in nominal
     )
+
+
+def few_levels_words(parameters: Iterable[ParameterOutline], conditions: Mapping[str, Array]) -> tuple[str, ...]:
+    """Say of which further conditions tests have no more levels than the curve takes by which a law follows them.
+
+    Args:
+        parameters: what of the law was fitted.
+        conditions: further columns of the tests, by name, shape (R,).
+    """
+    fitted = tuple(parameters)
+    words = []
+    for name, values in conditions.items():
+        taken = max((one.levels for one in fitted if condition_signal(name) in one.follows), default=0)
+        levels = sum(level.known for level in number_levels(values, relative=SAME_SHARE))
+        if levels <= taken:
+            words.append(
+                f"the tests have {levels} levels of {name}, no more than the curve takes by which the law follows it: "
+                "what it does between them, nothing here shows"
+            )
+    return tuple(words)
 
 
 def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> Named:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
+from pipeclamp_identification.diagnosis.named import few_levels_words
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.diagnosis.weighing.reasons import hidden_words, immaterial_words, pair_words
+from pipeclamp_models.law.law import Structure
 
 SCATTER = SimpleNamespace(
     scatter=RunScatter(stiffness=0.004, mean_N=12.0, zero_mm=0.0123), mean_shows=True, zero_shows=True
@@ -95,3 +97,15 @@ def test_no_frequency_is_missed_where_no_time_was_measured(time_measured, condit
     )
     told = RecordDiagnosed(SimpleNamespace(problem=problem), SimpleNamespace()).untested()
     assert [words.split(",")[0].removeprefix("all tests are at one ") for words in told] == conditions
+
+
+@pytest.mark.parametrize(
+    ("levels", "told"), [((0.0, 5.0), True), ((0.0, 5.0, 10.0), True), ((0.0, 5.0, 8.0, 10.0), False)]
+)
+def test_what_a_law_does_between_few_levels_is_said_to_be_untested(levels, told):
+    """A law that followed three levels of a bolt's torque was complete, and erred by half of the noise between them."""
+    equations = Structure("power", ("condition:bolt_torque_Nm",)).equations
+    conditions = {"bolt_torque_Nm": np.repeat(levels, 4), "current_A": np.repeat(levels, 4)}
+    shown = [one for one in equations.parameters if one.levels <= len(levels)]
+    words = few_levels_words(shown, conditions)
+    assert [f"the tests have {len(levels)} levels of bolt_torque_Nm" in one for one in words] == [True] * told
