@@ -37,7 +37,10 @@ def answered(pipeclamp, command: str, law: Path, campaign: Path) -> tuple[dict[s
 def test_a_constant_load_is_told_and_hides_no_cause(pipeclamp, hung, clamp_a, tmp_path):
     law, held, bare = tmp_path / "law.json", tmp_path / "held.json", tmp_path / "bare.json"
     lacking = pipeclamp("identify", hung, "-o", law).stdout
-    assert "most of the force is a constant load, which the law lacks" in lacking
+    assert (
+        "most of the force is a constant load, which the law lacks: offset adds one that is the same in every run"
+        in lacking
+    )
     pipeclamp("add", law, "offset", hung, "--as", "part", "-o", held)
 
     pipeclamp("identify", clamp_a, "-o", bare)

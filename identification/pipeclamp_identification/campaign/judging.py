@@ -133,6 +133,7 @@ def _stated(row: RunRow, seen: SeenSine) -> ShownRun:
         frequency_Hz=StatedAndShown(row.frequency_Hz, seen.cycles.frequency_Hz),
         temperature_C=StatedAndShown(row.setup.temperature_C, seen.temperature_C),
         stiffness=abs(seen.shown.stiffness),
+        load=abs(seen.mean_force_N) + abs(seen.shown.stiffness) * seen.shown.amplitude_mm,
         step_s=seen.step_s,
     )
 

@@ -25,6 +25,9 @@ def about_mean(mean_share: float, nrmse: float, noise_nrmse: float | None) -> st
     """
     varying = math.sqrt(1 - mean_share)
     if nrmse > varying:
-        return "most of the force is a constant load, which the law lacks"
+        return (
+            "most of the force is a constant load, which the law lacks: offset adds one that is the same in every run, "
+            "condition:COLUMN one that follows a column of runs.csv"
+        )
     scatter = "" if noise_nrmse is None else f", scatter {noise_nrmse / varying:.2%}"
     return f"most of the force is a constant load; of the rms of the rest the error is {nrmse / varying:.2%}{scatter}"

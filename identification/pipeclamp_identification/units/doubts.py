@@ -65,6 +65,7 @@ class ShownRun:
     Attributes:
         amplitude_mm, frequency_Hz, temperature_C: its settings.
         stiffness: dynamic, N/mm.
+        load: largest force of a cycle about, N: with its mean.
         step_s: usual step of the record's time.
     """
 
@@ -73,6 +74,7 @@ class ShownRun:
     frequency_Hz: StatedAndShown
     temperature_C: StatedAndShown
     stiffness: float
+    load: float
     step_s: float
 
 
@@ -140,7 +142,7 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
     frequency = float(np.median([run.frequency_Hz.shown for run in runs]))
     step = float(np.median([run.step_s for run in runs]))
     found = []
-    if stiffness < SOFTEST and stiffness * amplitude < WEAKEST:
+    if stiffness < SOFTEST and float(np.median([run.load for run in runs])) < WEAKEST:
         found.append(
             f"the force may be in kN, not N (factor 1000): {newtons(stiffness * amplitude)} of amplitude, "
             f"{stiffness:.3g} N/mm of stiffness"

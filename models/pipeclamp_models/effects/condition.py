@@ -73,8 +73,6 @@ def follow(argument: str) -> Effect:
             f"N/[{argument}]",
             "slope of a mean force",
             0.0,
-            -F_typical / size,
-            F_typical / size,
             neutral=0.0,
             follows=(u,),
             typical=0.05 * F_typical / size,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
@@ -183,6 +183,12 @@ class Equations:
 
         effects = tuple(effect for effect in self.structure.all_effects() if effect.part in self.parts)
         return compose(effects, self.structure.base)
+
+    def __reduce__(
+        self,
+    ) -> tuple[Callable[[Structure, tuple[Part, ...]], Equations], tuple[Structure, tuple[Part, ...]]]:
+        # what was composed stays behind: effects hold functions that no other process can be sent
+        return _equations, (self.structure, self.parts)
 
     @property
     def effects(self) -> tuple[Effect, ...]:

@@ -72,6 +72,48 @@ def test_amplitudes_and_angular_frequencies_are_turned():
     assert turned("dynamic_stiffness", "lb/in").factor == pytest.approx(0.175127, rel=1e-5)
 
 
+@pytest.mark.parametrize("unit", ["1/s", "/sec", "1/sec", "s-1", "s^-1", "s⁻¹"])
+def test_what_is_counted_in_a_second_is_told_by_the_name(unit):
+    for name, factor in {"Angular Frequency": 1 / (2 * math.pi), "w": 1 / (2 * math.pi), "Frequency": 1.0}.items():
+        assert quantity_of(Channel(name, unit, np.arange(3.0))) == "frequency"
+        assert turned("frequency", unit, name).factor == pytest.approx(factor)
+    # a way that is an angle is no frequency
+    assert quantity_of(Channel("Angular Displacement", "rad", np.arange(3.0))) != "frequency"
+
+
+def test_names_without_units_are_asked_for_what_they_name(tmp_path):
+    """An angular frequency in rad/s, moduli by the part's stiffness; then what no column holds, by a table."""
+    file = tmp_path / "sweep.csv"
+    rows = zip(2 * math.pi * FREQUENCIES, STORAGE, LOSS, strict=True)
+    file.write_text("Angular Frequency;Storage Modulus;Loss Modulus\n" + "".join(f"{w};{a};{b}\n" for w, a, b in rows))
+    with pytest.raises(UserError, match="of which no units are stated") as error:
+        pc.import_files([file], tmp_path / "x")
+    option = re.search(r'--columns "(.*)"', str(error.value))[1]
+    assert "frequency=Angular Frequency [rad/s]" in option and "Loss Modulus [12.5 N/mm]" in option
+    with pytest.raises(UserError, match="columns file,amplitude_mm") as error:
+        pc.import_files([file], tmp_path / "x", columns=option)
+    assert option in str(error.value)  # what was stated is in the option to copy
+    (tmp_path / "set.csv").write_text("file,amplitude_mm\nsweep.csv,0.01\n")
+    pc.import_files([file], tmp_path / "x", columns=option, conditions=tmp_path / "set.csv")
+    tests = read_tests(tmp_path / "x")
+    assert tests.campaign.runs[0].frequency_Hz == pytest.approx(FREQUENCIES[0])
+
+
+def test_an_amplitude_that_is_a_strain_is_asked_for_by_the_parts_size(tmp_path):
+    file = tmp_path / "sweep.csv"
+    rows = zip(2 * math.pi * FREQUENCIES, STORAGE, LOSS, strict=True)
+    file.write_text(
+        "Angular frequency;Oscillation displacement;Oscillation strain;K';K''\nrad/s;rad;%;N/mm;N/mm\n"
+        + "".join(f"{w};1e-3;0.5;{a};{b}\n" for w, a, b in rows)
+    )
+    with pytest.raises(UserError, match="how far the part moves for 1 of its unit") as error:
+        pc.import_files([file], tmp_path / "x")
+    option = re.search(r'--columns "(.*)"', str(error.value))[1]
+    assert option == "amplitude=Oscillation strain [%] [0.02 mm]"
+    pc.import_files([file], tmp_path / "x", columns=option)
+    assert "0.01" in (tmp_path / "x" / "runs.csv").read_text(encoding="utf-8")
+
+
 def test_a_record_with_a_frequency_and_a_phase_is_none_of_results():
     time = np.arange(1000) / 200.0
     plain = [("Frequency", "Hz", np.full(1000, 2.0)), ("Phase", "deg", np.full(1000, 9.0)), ("Force", "N", time)]

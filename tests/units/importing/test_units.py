@@ -11,6 +11,8 @@ import pytest
 from exports import loop
 
 import pipeclamp as pc
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 
 TEMPERATURES = (20.0, 150.0)
 
@@ -99,6 +101,16 @@ def test_a_unit_that_is_only_unlikely_is_told_everywhere(campaign, tmp_path, cha
     law.save(tmp_path / "law.json")
     assert told in json.loads((tmp_path / "law.json").read_text(encoding="utf-8"))["data"]["warnings"][0]
     assert told in law.report(tmp_path / "law.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("mean", "doubted"), [(0.0, True), (150.0, False)])
+def test_what_bears_a_load_is_not_weak(tmp_path, mean, doubted):
+    """A cylinder under pressure, whose seals rub with 10 N, bears 150 N: nothing says kN of it."""
+    t = np.arange(300) / 100
+    force = mean + 0.5 * np.sin(2 * np.pi * t) + 8 * np.tanh(10 * np.cos(2 * np.pi * t))
+    runs = [WrittenRun({"run": "a", "temperature_C": 20.0}, Record(t, 5 * np.sin(2 * np.pi * t), force))]
+    write_campaign(tmp_path / "c", iter(runs), name="c", notes="")
+    assert any("may be in kN" in one for one in pc.read_campaign(tmp_path / "c").remarks) == doubted
 
 
 @pytest.mark.parametrize(

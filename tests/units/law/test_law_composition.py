@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -209,3 +211,10 @@ def test_only_a_constant_force_is_there_at_rest(name):
     law = bare if effect.name in {one.name for one in bare.all_effects()} else with_effect(bare, effect.name)
     at_rest = {each.name for each in law.equations.parameters if each.at_rest}
     assert at_rest == {"offset": {"F_o"}, "condition": {"F_u_x1"}}.get(name, set())
+
+
+def test_equations_that_were_composed_here_are_sent_to_another_process():
+    """The first call on a law composes it: effects whose next larger member has a start of its own are sent, too."""
+    equations = Structure("power", ("memory:2", "condition:preload_N")).equations
+    assert equations.composed.effects
+    assert pickle.loads(pickle.dumps(equations)).names == equations.names

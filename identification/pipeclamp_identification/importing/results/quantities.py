@@ -6,6 +6,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
+from dataclasses import replace
 
 from pipeclamp_identification.importing.channels.naming import SETTINGS_CALLED, rank, unit_of, words_of
 from pipeclamp_identification.importing.raw import Channel
@@ -20,8 +21,15 @@ TARGETS: Mapping[str, str] = {
 """Quantities of a result, and their units here; a loss factor has none."""
 STIFFNESSES = ("storage_stiffness", "loss_stiffness", "dynamic_stiffness")
 LOSSES = ("loss_angle", "loss_factor")
-TURNS = {"rad": 1 / (2 * math.pi), "rpm": 1 / 60, "1/min": 1 / 60, "min-1": 1 / 60}
+RADIAN = 1 / (2 * math.pi)
+TURNS = {"rad": RADIAN, "rpm": 1 / 60, "1/min": 1 / 60, "min-1": 1 / 60}
 """Hz in what a frequency's unit begins with, where that counts angles or minutes."""
+PER_SECOND = re.compile(r"1?/s(?:ec)?|s(?:ec)?\^?\(?-1\)?")
+"""A frequency's unit that leaves open whether cycles or radians are counted: the name tells."""
+ANGULAR = frozenset(
+    ("angular", "omega", "w", "kreisfrequenz", "winkelfrequenz", "pulsation", "pulsazione", "pulsacion")
+)
+"""Words of a frequency that counts radians."""
 SAME_LETTERS = str.maketrans({"’": "'", "′": "'", "`": "'", "´": "'", "″": '"', "”": '"', "“": '"', "δ": "delta"})
 LOSS_ANGLES = frozenset(("phase", "delta", "verlustwinkel", "phasenwinkel", "dephasage", "sfasamento", "desfase"))
 LOSS_FACTORS = frozenset(("tan", "tand", "tandelta", "verlustfaktor"))
@@ -37,6 +45,12 @@ STATIC = frozenset(
     )
 )
 """Words of what isn't the amplitude of a sine."""
+STRAINS = frozenset(("strain", "dehnung", "scherung", "deformation", "deformazione", "deformacion", "gamma"))
+ANGLES = frozenset(("angle", "winkel", "twist", "rotation", "torsion"))
+NO_AMPLITUDES = frozenset(
+    ("rate", "static", "statisch", "statische", "preload", "offset", "mean", "constant", "command")
+)
+"""Words of a strain that isn't the amplitude of a sine either."""
 AMPLITUDES = {"amplitude": "displacement", "force_amplitude": "force"}
 SYMBOLS = {"amplitude": frozenset(("x", "s", "u", "d", "a")), "force_amplitude": frozenset(("f", "p"))}
 """Letters that stand for a displacement's and a force's amplitude beside a unit of it."""
@@ -83,9 +97,12 @@ def turned(quantity: str, unit: str, name: str = "") -> Conversion | None:
     Args:
         quantity: of a result.
         unit: as stated; "12.5 N/mm" where 1 stands for that.
-        name: of the channel, which may say that amplitudes are from peak to peak, or effective values.
+        name: of the channel, which may say that amplitudes are from peak to peak, or effective values, and that what
+            is counted in a second are radians.
     """
     if quantity == "frequency":
+        if PER_SECOND.fullmatch(unicodedata.normalize("NFKC", unit).replace("\u2212", "-").replace(" ", "").casefold()):
+            return Conversion(RADIAN if is_angular(name) else 1.0)
         begins = next((one for one in TURNS if unit.replace(" ", "").startswith(one)), None)
         return Conversion(TURNS[begins]) if begins else _turned(quantity, unit, "Hz")
     if quantity == "loss_factor":
@@ -94,6 +111,28 @@ def turned(quantity: str, unit: str, name: str = "") -> Conversion | None:
     if found is None or quantity not in AMPLITUDES:
         return found
     return Conversion(found.factor * amplitude_share(name), found.offset)
+
+
+def is_angular(name: str) -> bool:
+    """Tell whether a frequency of this name counts radians: ω, "w", "Angular frequency"."""
+    return not ANGULAR.isdisjoint(words_of(name)) or "ω" in name.casefold()
+
+
+def is_called_modulus(channel: Channel) -> bool:
+    """Tell whether a channel's name alone says that it is a modulus of the material: "Storage Modulus", "E'"."""
+    name = _plain(channel)
+    return any(word.startswith("modul") or word.endswith("modul") for word in words_of(name)) or bool(
+        re.match(r"[eg]['\"*]", name)
+    )
+
+
+def is_strain(channel: Channel) -> bool:
+    """Tell whether a channel is a strain, or an angle of deformation: an amplitude that the part's size turns to mm."""
+    name, unit = _plain(channel), unit_of(channel)
+    words = set(words_of(name))
+    if fits("loss_angle", unit) and not LOSS_ANGLES & words:
+        return rank("displacement", replace(channel, name=name, unit="mm")) > 2 or not words.isdisjoint(ANGLES)
+    return unit in ("%", "-", "1", "") and not STRAINS.isdisjoint(words) and not words & NO_AMPLITUDES
 
 
 def amplitude_share(name: str) -> float:
@@ -112,7 +151,8 @@ def _turned(quantity: str, unit: str, target: str) -> Conversion | None:
 
 
 def _is_frequency(words: set[str]) -> bool:
-    return bool(words & {*SETTINGS_CALLED["frequency"], "f", "omega", "w"}) and not words & {"sample", "sampling"}
+    called = {*SETTINGS_CALLED["frequency"], "f", *ANGULAR} - {"angular"}
+    return bool(words & called) and not words & {"sample", "sampling"}
 
 
 def _stiffness_of(name: str, words: set[str]) -> str:

@@ -49,7 +49,7 @@ def frequency_of_results(table: RawTable, stated: Sequence[Stated] = ()) -> Chan
 def _cycles_a_row(frequency: Channel, time: Channel) -> float:
     """Give how many cycles pass from one row to the next, the median of all."""
     step = conversion("time", unit_of(time)).factor * np.diff(time.values)
-    per_second = turned("frequency", unit_of(frequency))
+    per_second = turned("frequency", unit_of(frequency), frequency.name)
     assert per_second is not None
     cycles = per_second.factor * frequency.values[1:] * step
     cycles = cycles[np.isfinite(cycles) & (step > 0)]

@@ -17,7 +17,11 @@ from pipeclamp_identification.importing.results.quantities import (
     STIFFNESSES,
     TARGETS,
     amplitude_share,
+    fits,
+    is_angular,
+    is_called_modulus,
     is_modulus,
+    is_strain,
     quantity_of,
     turned,
 )
@@ -34,6 +38,9 @@ STORAGE, LOSS = "storage_stiffness_N_mm", "loss_stiffness_N_mm"
 SHARES = {0.5: "taken for a stroke from peak to peak, by its name", 2**0.5: "taken for an effective value, by its name"}
 FOR_A_MODULUS = "12.5 N/mm"
 """What an option shows in the place of a part's stiffness for a unit of its modulus."""
+MODULUS_WORDS = f"\n  {FOR_A_MODULUS}: put there how stiff the part is for 1 of its modulus, its area over its height"
+FOR_A_STRAIN = "0.02 mm"
+"""Likewise in the place of the part's deflection for a unit of its strain, or of an angle."""
 
 
 @dataclass(frozen=True)
@@ -87,17 +94,16 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     columns = _columns(table, stated)
     bare = {one: channel for one, channel in without_units(table).items() if one not in columns}
     if bare:
-        choices = [f"{one}={channel.heading} [{TARGETS[one]}]" for one, channel in bare.items() if TARGETS[one]]
+        units = {one: _proposed_unit(one, channel) for one, channel in bare.items()}
+        choices = [f"{one}={channel.heading} [{units[one]}]" for one, channel in bare.items() if units[one]]
         raise UserError(
             "holds results, a row a test, of which no units are stated; expected them, for example (check it):\n  "
             f"{columns_option([*map(_option, stated), *choices])}"
+            f"{MODULUS_WORDS if FOR_A_MODULUS in units.values() else ''}"
         )
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
-            raise UserError(
-                f"no column is the {quantity} in {TARGETS[quantity]}; expected it to be stated, or by --pattern or "
-                f'--conditions:\n  --columns "{quantity}=CHANNEL [{TARGETS[quantity]}]"\n  there are {_there(table)}'
-            )
+            raise UserError(_unknown_setting(quantity, table, stated, columns))
     stiffness, used = _stiffness(table, columns)
     further = [one for one in columns.values() if one.quantity not in TARGETS]
     kept = [columns[quantity] for quantity in COLUMNS if quantity in columns]
@@ -123,6 +129,37 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     ]
     unused = tuple(one.heading for one in table.channels if one.heading not in headings)
     return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
+
+
+def _proposed_unit(quantity: str, channel: Channel) -> str:
+    """Give the unit that a channel without one may be in, as an option states it."""
+    if quantity == "frequency" and is_angular(channel.name):
+        return "rad/s"
+    return FOR_A_MODULUS if quantity in STIFFNESSES and is_called_modulus(channel) else TARGETS[quantity]
+
+
+def _unknown_setting(
+    quantity: str, table: RawTable, stated: Sequence[Stated], columns: Mapping[str, ResultColumn]
+) -> str:
+    """Say that nothing states a setting, and how it can be stated: of strains, by the part's size."""
+    target, column = TARGETS[quantity], COLUMNS[quantity]
+    given = [_option(one) for one in stated]
+    taken = {one.channel.heading for one in columns.values()}
+    strains = [one for one in table.channels if quantity == "amplitude" and one.heading not in taken and is_strain(one)]
+    if strains:
+        strains.sort(key=lambda one: fits("loss_angle", unit_of(one)))  # a strain before the angle that made it
+        example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]"])
+        return (
+            f"no column is the amplitude in mm, but {listed([repr(one.heading) for one in strains])}; expected how far "
+            f"the part moves for 1 of its unit (for 1 % of strain, a hundredth of its height), in the place of "
+            f"{FOR_A_STRAIN}:\n  {example}"
+        )
+    return (
+        f"no column is the {quantity} in {target}; expected it to be stated:\n"
+        f'  --columns "{",".join([*given, f"{quantity}=CHANNEL [{target}]"])}"\n'
+        f"  or, where it is one and the same in a file, by --conditions TABLE.csv, a table with a row a file and the "
+        f"columns file,{column}; or by --pattern, where files' names hold it\n  there are {_there(table)}"
+    )
 
 
 def _option(stated: Stated) -> str:
