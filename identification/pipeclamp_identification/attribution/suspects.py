@@ -243,7 +243,10 @@ def _held_otherwise(
 def _compliance_words(size: float, unit: str, values: Values, errors: Values) -> str:
     if values[0] <= 1 / RIGID_SIDE:
         return "rigid, as stated"
-    return f"{size / values[0]:.3g} {unit} (± {errors[0] / values[0]:.0%}) instead of rigid"
+    share = errors[0] / values[0]
+    return (
+        f"{size / values[0]:.3g} {unit} ({f'± {share:.0%}' if share < 1 else 'to more than ± 100%'}) instead of rigid"
+    )
 
 
 def _share_words(size: float, unit: str, values: Values, errors: Values) -> str:
