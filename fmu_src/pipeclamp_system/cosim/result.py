@@ -272,7 +272,9 @@ class CosimResult:
             off = self.columns[f"{name}.forceDeviation"][-1]
             by = f"its force is off by {off:.1%}"
             so = f", so that {by}"
-            if abs(found - assumed) > MISMATCH * assumed:
+            # Of a law that follows neither A nor f the force is never off: which it is told is no matter.
+            matters = clamp.law is None or clamp.mode != "given" or off > 0
+            if matters and abs(found - assumed) > MISMATCH * assumed:
                 lines.append(
                     f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with "
                     f"{1e3 * found:.4g} mm{so if off > LIMIT else ''}: {self._about_mismatch(clamp)}"
