@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import math
+from collections import Counter
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -39,10 +41,14 @@ def csv_frame(path: Path) -> pl.DataFrame:
     """Read a table.
 
     Raises:
-        UserError: it can't be read, or has no rows.
+        UserError: it can't be read, two columns have one name, or it has no rows.
     """
     # Not by its path, in which polars would take brackets for patterns.
     content = read_content(path, "CSV with names in row 1")
+    names = next(csv.reader([content.partition(b"\n")[0].decode("utf-8-sig", "replace")]), [])
+    twice = next((name for name, count in Counter(names).items() if name and count > 1), None)
+    if twice is not None:
+        raise UserError(f"{path}, row 1: column {twice!r} is there twice; expected a name for each column")
     try:
         frame = pl.read_csv(content, infer_schema_length=None)
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:

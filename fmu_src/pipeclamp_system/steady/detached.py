@@ -63,6 +63,8 @@ def leaving_branches(
             met = (one for piece in [*known, *found] for one in system.solutions(piece, start.parameter))
             if not any(_same(system, start.unknowns, one) for one in met):
                 branch = _followed(system, start, first, last)
+                if _is_known(system, branch, [*known, *found]):
+                    continue
                 found.append(branch)
                 waiting.append(branch[1:-1])  # at its ends it crosses what it leaves
     return tuple(found)
@@ -73,15 +75,34 @@ def _ends_between(system: SteadySystem, branch: Sequence[SteadyState], before: S
 
     The curve is taken for straight there: where a branch leaves it, no solver tells the two of them apart.
     """
-    for state in (branch[0], branch[-1]):
-        if (before.frequency - state.frequency) * (after.frequency - state.frequency) > 0:
+    for last_three in (branch[:3], branch[:-4:-1]):
+        end = meeting(system, [_solution(state) for state in last_three])
+        if (before.frequency - end.parameter) * (after.frequency - end.parameter) > 0:
             continue
-        here, first, last = system.matched([_solution(one).unknowns for one in (state, before, after)])
-        share = (state.frequency - before.frequency) / ((after.frequency - before.frequency) or 1.0)
+        here, first, last = system.matched([end.unknowns, *(_solution(one).unknowns for one in (before, after))])
+        share = (end.parameter - before.frequency) / ((after.frequency - before.frequency) or 1.0)
         there = first + share * (last - first)
-        if np.abs(here - system.lopsided(here) - there).max() <= np.abs(last - first).max():
+        if np.abs(here - there).max() <= np.abs(last - first).max():
             return True
     return False
+
+
+def meeting(system: SteadySystem, points: Sequence[Solution]) -> Solution:
+    """Give where a branch meets the symmetric motions, from its last points, the end first.
+
+    A branch that meets them ends beyond, at its mirror image. Where they meet, frequency and symmetric part change with
+    the square of what is lopsided (a pitchfork's normal form); the two points before the end tell both.
+    """
+    unknowns = system.matched([point.unknowns for point in points])
+    lopsided = [system.lopsided(one) for one in unknowns]
+    symmetric = [
+        np.append(one - off, point.parameter) for one, off, point in zip(unknowns, lopsided, points, strict=True)
+    ]
+    end, *before = symmetric
+    if len(before) == 2 and lopsided[0] @ lopsided[1] < 0:
+        near, far = (float(off @ off) for off in lopsided[1:])
+        end = before[0] - (before[1] - before[0]) * near / (far - near) if far > near else before[0]
+    return Solution(float(end[-1]), end[:-1])
 
 
 def _solution(state: SteadyState) -> Solution:
@@ -201,12 +222,14 @@ def _is_mirrored(system: SteadySystem, point: Solution) -> bool:
 
 
 def _until_mirrored(system: SteadySystem, path: Iterator[Solution], *, mirrored: bool) -> Iterator[Solution]:
-    """Give the points of a path; where it is mirrored, to the first that is nearer to the image of that before."""
+    """Give the points of a path; where it is mirrored, to the first that is nearer to the image of that before, or that
+    is symmetric, as where a step leads across the place at which the branch ends."""
     before = None
     for point in path:
         yield point
         if before is not None and mirrored:
-            two = system.matched([before.unknowns, point.unknowns])
-            if np.dot(*(system.lopsided(one) for one in two)) < 0:
+            off, other = (system.lopsided(one) for one in system.matched([point.unknowns, before.unknowns]))
+            nothing = Steps.tolerance * float(system.sizes(point.unknowns[None])[0])
+            if off @ other < 0 or np.abs(off).max() <= nothing:
                 return
         before = point

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import exp
 
+import numpy as np
+
 from pipeclamp_identification.attribution.measuring_suspects import measuring_suspects
 from pipeclamp_identification.attribution.misstated import misstated
 from pipeclamp_identification.attribution.suspect import (
@@ -66,6 +68,8 @@ MOUNT = Declaration.model_validate(
     }
 )
 """Scales a law by the roles of its coefficients; the slip force of elastic-slip elements is counted as damping."""
+FACTORS = {"stiffness": ("mount_stiffness", "mount_cubic"), "damping": ("mount_damping",)}
+"""Which of these are refitted together."""
 
 
 def suspects_of(model: CoupledModel, measurement: MeasurementDescription) -> tuple[Suspect, ...]:
@@ -94,22 +98,34 @@ def _mounted(law: Law) -> Law:
 
 def _clamps(model: CoupledModel) -> Iterator[Suspect]:
     for index, name in enumerate(model.clamp_names):
-        law = next(iter(model.clamps.values()))[index][1].law
-        has_cubic = CUBIC in law.equations.outline.coefficients
-        for role in ("stiffness", "damping"):
-            parameters = [f"mount_{role}", *(["mount_cubic"] if has_cubic and role == "stiffness" else [])]
+        clamp = next(iter(model.clamps.values()))[index][1]
+        for role, factors in FACTORS.items():
+            parameters = tuple(factor for factor in factors if _matters(clamp, factor))
+            if not parameters:
+                continue
             more = parameters[1:]
             yield Suspect(
                 id=f"{name}.{role}",
                 side="clamp",
                 kind="a clamp's " + role,
                 words=f"the {role} of clamp {name}",
-                change=partial(_scaled_clamp, index, tuple(parameters)),
+                change=partial(_scaled_clamp, index, parameters),
                 value_words=_clamp_words,
                 starts=tuple((value, *(SMALL_FACTOR for _ in more)) for value in LOG_FACTORS),
                 lower=(-LARGEST_LOG_FACTOR, *(-LARGEST_LOG_FACTOR for _ in more)),
                 upper=(LARGEST_LOG_FACTOR, *(LARGEST_LOG_FACTOR for _ in more)),
             )
+
+
+def _matters(clamp: SteadyClamp, factor: str) -> bool:
+    """Tell whether a factor moves a clamp's force on the largest sinusoid in its law's range.
+
+    A law may state a coefficient as 0: a factor on that is told by nothing.
+    """
+    mounted = replace(clamp, law=_mounted(clamp.law))
+    motion, at = np.array([[0.0, clamp.range_A[1]]], dtype=np.complex128), np.array([np.mean(clamp.range_f)])
+    doubled = replace(mounted, law=replace(mounted.law, values={**mounted.law.values, factor: 2.0}))
+    return not np.array_equal(mounted.forces(motion, at), doubled.forces(motion, at))
 
 
 def _clamp_words(values: Values, errors: Values) -> str:
@@ -227,7 +243,10 @@ def _held_otherwise(
 def _compliance_words(size: float, unit: str, values: Values, errors: Values) -> str:
     if values[0] <= 1 / RIGID_SIDE:
         return "rigid, as stated"
-    return f"{size / values[0]:.3g} {unit} (± {errors[0] / values[0]:.0%}) instead of rigid"
+    share = errors[0] / values[0]
+    return (
+        f"{size / values[0]:.3g} {unit} ({f'± {share:.0%}' if share < 1 else 'to more than ± 100%'}) instead of rigid"
+    )
 
 
 def _share_words(size: float, unit: str, values: Values, errors: Values) -> str:

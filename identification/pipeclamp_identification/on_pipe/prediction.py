@@ -79,7 +79,8 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     """Give what a model's probes show at a measurement's sines.
 
     Where the response has several stable branches, a sweep up follows the one from low frequencies, a sweep down that
-    from high ones, and otherwise it is the one nearest to the measured response.
+    from high ones, as far as they are stable and then the branches that leave them; without a sweep it is the stable
+    one nearest to the measured response.
 
     Args:
         model: pipe and clamps.
@@ -221,19 +222,39 @@ def _first_states(
                 paths = [upwards if sweep >= 0 else upwards[::-1]]
             else:
                 paths = [upwards, downwards] if sweep >= 0 else [downwards, upwards]
-            met = (unknowns for path in [*paths, *leaving] for unknowns in system.passing(path, f))
-            everywhere = _apart([system.state(unknowns, f) for unknowns in met])
+            passed, beside = (
+                [system.state(unknowns, f) for path in some for unknowns in system.passing(path, f)]
+                for some in (paths, leaving)
+            )
+            everywhere = _apart([*passed, *beside])
             found = [state for state in everywhere if state.stable]
             branches[place] = max(1, len(found))
-            found = found or everywhere
-            if not found:
+            if not everywhere:
                 continue
-            chosen[place] = found[0]
+            chosen[place] = met_in_sweep(passed, beside) if sweep else (found or everywhere)[0]
             if len(found) > 1 and sweep == 0:
                 seen = [_seen(state.probes[:, 1], int(row), measurement, model) for state in found]
                 off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
                 chosen[place] = found[int(np.argmin(off))]
     return chosen, branches
+
+
+def met_in_sweep(passed: Sequence[SteadyState], beside: Sequence[SteadyState]) -> SteadyState:
+    """Give the motion that a sweep meets at a frequency.
+
+    It is the first on its way. Where that is unstable, the sweep goes on along a branch that leaves it, not along a
+    stable motion farther away, to which nothing leads but a jump that may never happen: if there is no such branch, no
+    steady motion is met, and the unstable one is given.
+
+    Args:
+        passed: where the response passes the frequency, in the order of the sweep; `beside` of it branches that leave.
+    """
+    first = next(iter(passed), None)
+    if first is None or first.stable:
+        return first or next((state for state in beside if state.stable), beside[0])
+    stable = [state for state in (*beside, *passed) if state.stable]
+    near = min(stable, key=lambda state: float(np.abs(state.clamps[:, 1] - first.clamps[:, 1]).max()), default=first)
+    return near if any(near is state for state in beside) else first
 
 
 def _leaving(

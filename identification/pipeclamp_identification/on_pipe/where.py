@@ -97,7 +97,8 @@ def _branch_words(comparison: PipeComparison) -> Iterator[str]:
         yield (f"At {sines(several.size)} ({_span(f)} Hz) the model has several stable motions; compared is {taken}.")
     lost = np.flatnonzero(~np.isfinite(prediction.response).any(axis=1))
     if lost.size:
-        yield f"At {sines(lost.size)} no stable steady motion of the model was found: left out."
+        led = ", or none that the sweep leads to" if steady.sweep[lost].any() else ""
+        yield f"At {sines(lost.size)} no stable steady motion of the model was found{led}: left out."
 
 
 def _truncated_words(comparison: PipeComparison) -> Iterator[str]:

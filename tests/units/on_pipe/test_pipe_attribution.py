@@ -132,6 +132,28 @@ def test_suspects_change_nothing_at_zero_and_something_elsewhere(comparison):
     assert response == pytest.approx(stated.response, rel=1e-3)
 
 
+def test_no_factor_is_sought_on_what_a_law_states_as_none(comparison):
+    """Of a law without a cubic part "its cubic part 0.45 ± 7e-14 times" had been said."""
+    ((temperature, ((index, clamp),)),) = comparison.model.clamps.items()
+
+    def factors(**values):
+        law = replace(clamp.law, values={**clamp.law.values, **values})
+        model = replace(comparison.model, clamps={temperature: ((index, replace(clamp, law=law)),)})
+        suspects = suspects_of(model, comparison.measurement.description)
+        return {one.id: len(one.lower) for one in suspects if one.id in ("clamp1.stiffness", "clamp1.damping")}
+
+    assert factors() == {"clamp1.stiffness": 2, "clamp1.damping": 1}
+    assert factors(k30=0.0) == {"clamp1.stiffness": 1, "clamp1.damping": 1}
+    assert factors(c0=0.0) == {"clamp1.stiffness": 2}
+
+
+def test_a_compliance_that_is_hardly_told_has_no_endless_per_cent(comparison):
+    suspects = suspects_of(comparison.model, comparison.measurement.description)
+    (rigid,) = (one for one in suspects if one.id == "right.stiffness")
+    assert "(± 20%) instead of rigid" in rigid.told((0.05,), (0.01,))
+    assert "(to more than ± 100%) instead of rigid" in rigid.told((0.05,), (1e300,))
+
+
 def test_what_is_but_seen_otherwise_moves_as_stated(comparison):
     """No other branch is looked for there: the clamps move alike to the last digit."""
     model = with_mounts(comparison.model)

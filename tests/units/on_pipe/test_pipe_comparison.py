@@ -15,6 +15,7 @@ from cantilever import cantilever, shaken
 from pipeclamp.pages.page import render
 from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp_identification.on_pipe.answer import sines_answer
+from pipeclamp_identification.on_pipe.prediction import met_in_sweep
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.on_pipe.where import highest_peaks, how_much, where_words
 from pipeclamp_models.base.errors import UserError
@@ -198,6 +199,27 @@ def test_a_fold_that_both_ends_lead_round_is_followed_once(folds, monkeypatch):
     again = compared(bench)
     assert followed == [(FOLD[0], FOLD[-1])]
     assert again.prediction.response == pytest.approx(down.prediction.response, rel=1e-6)
+
+
+def motion(amplitude, *, stable):
+    return SimpleNamespace(clamps=np.array([[0.0, amplitude]]), stable=stable)
+
+
+def test_a_sweep_goes_on_along_the_branch_that_leaves_its_own_where_that_is_unstable():
+    """It had been taken to be on the far side of the fold, between sines on this side of it."""
+    upper, near, lower = motion(4.39, stable=False), motion(4.25, stable=True), motion(1.76, stable=True)
+    assert met_in_sweep([upper, motion(3.4, stable=False), lower], [near]) is near
+    assert met_in_sweep([motion(4.4, stable=True), lower], [near]).clamps[0, 1] == 4.4
+    assert met_in_sweep([lower], [near]) is lower
+    assert met_in_sweep([], [near]) is near
+
+
+def test_where_a_sweep_meets_nothing_steady_no_motion_far_away_is_compared():
+    """It beats about its own motion, or jumps: neither is told."""
+    upper, lower = motion(4.39, stable=False), motion(1.76, stable=True)
+    assert met_in_sweep([upper, lower], []) is upper
+    assert met_in_sweep([upper, lower], [motion(4.2, stable=False)]) is upper
+    assert met_in_sweep([upper, lower], [motion(0.9, stable=True)]) is upper
 
 
 def test_without_a_direction_the_nearest_branch_is_compared(folds):

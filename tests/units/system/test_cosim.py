@@ -558,6 +558,14 @@ def test_the_result_is_written_with_names_and_units(bench: Path, tmp_path: Path)
     assert "clamp1: its law is taken for an amplitude of 1 mm, and it moves with" in summary
 
 
+def test_a_law_that_follows_no_amplitude_needs_none(bench: Path, write_law: Callable[..., None]) -> None:
+    """It had been told to take that of its motion, which changes nothing."""
+    write_law(bench / "linear.json", {"k10": 20.0, "c0": 0.02, "alpha0": 1.0})
+    result = run_once(write_system(bench, laws={"clamp1": 'law = "linear.json"'}, step=4e-3, stop=1.0))
+    assert abs(1e3 * result.amplitude("clamp1.s") - 1.0) > 0.1
+    assert "its law is taken for an amplitude" not in result.summary()
+
+
 def test_an_undamped_pipe_loses_nothing(bench: Path) -> None:
     """Both works and the stored energy are exact, so that nothing is left for damping."""
     (bench / "undamped.toml").write_text(pipe_text(ratio=0.0), encoding="utf-8")
