@@ -150,8 +150,8 @@ def test_no_factor_is_sought_on_what_a_law_states_as_none(comparison):
 def test_a_compliance_that_is_hardly_told_has_no_endless_per_cent(comparison):
     suspects = suspects_of(comparison.model, comparison.measurement.description)
     (rigid,) = (one for one in suspects if one.id == "right.stiffness")
-    assert "(± 20%) instead of rigid" in rigid.told((0.05,), (0.01,))
-    assert "(to more than ± 100%) instead of rigid" in rigid.told((0.05,), (1e300,))
+    assert "(± 20%) instead of rigid" in rigid.value_words((0.05,), (0.01,))
+    assert "(to more than ± 100%) instead of rigid" in rigid.value_words((0.05,), (1e300,))
 
 
 def test_what_is_but_seen_otherwise_moves_as_stated(comparison):
