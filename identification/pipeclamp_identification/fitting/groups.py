@@ -18,6 +18,7 @@ from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
 from pipeclamp_identification.signals.orthonormal import orthonormal
+from pipeclamp_identification.signals.sample_noise import scatter_by_median
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.signals import signal_of
 from pipeclamp_models.realise.force import LawForce
@@ -36,8 +37,6 @@ STRANGE = 5.0
 """Standard deviations that a run must be off its own group, by the others' scatter, to be of another one."""
 AT_HOME = 1 / 3
 """And no more than this share of that off the other one."""
-OF_NORMAL = 1.4826
-"""Standard deviation of normal scatter, over the median of its sizes."""
 MOST_STRANGE = 0.1
 """Share of the runs that may be strangers; more say that the column itself is in doubt."""
 
@@ -448,7 +447,7 @@ def _off_groups(
         rest = values - span @ (span.T @ values)
         # a run that is off pulls its own group along: what it would be off had it been left out
         off = rest / np.maximum(1 - leverage, 1e-6)
-        scatter = OF_NORMAL * float(np.median(np.abs(rest[shows])) / np.sqrt(np.median(1 - leverage[shows])))
+        scatter = scatter_by_median(rest[shows]) / float(np.sqrt(np.median(1 - leverage[shows])))
         solution = (right[kept].T / singular[kept]) @ (span.T @ values)
         share = solution[fixed.shape[1] :]
         scatter = max(scatter, 1e-12)

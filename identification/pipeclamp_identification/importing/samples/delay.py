@@ -18,6 +18,7 @@ from pipeclamp_identification.campaign.description import ImportedDelay
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
+from pipeclamp_identification.signals.sample_noise import scatter_by_median
 from pipeclamp_models.base.arrays import ComplexArray, IntArray
 
 LOWEST, HIGHEST = 7, 15
@@ -31,6 +32,8 @@ FREQUENCIES_APART = 1.5
 """Factor between the lowest and the highest frequency of the runs that tell it."""
 ALIKE = 0.3
 """Share by which the slower and the faster half of the runs may differ in it."""
+OF_MEDIAN = 1.2533
+"""Standard error of a median of normal numbers, over that of their mean."""
 OF_TURN = 2e-3
 """Share of the fastest cycle below which a delay does no harm."""
 
@@ -47,8 +50,7 @@ def common_delay(told: Sequence[tuple[float, float]]) -> ImportedDelay | None:
     if frequency[-1] < FREQUENCIES_APART * frequency[0]:
         return None
     delay = float(np.median(delays))
-    # the median's standard error, from the median of the deviations
-    error = 1.2533 * 1.4826 * float(np.median(np.abs(delays - delay))) / math.sqrt(len(delays))
+    error = OF_MEDIAN * scatter_by_median(delays - delay) / math.sqrt(len(delays))
     slow, fast = (float(np.median(half)) for half in np.array_split(delays, 2))
     if abs(delay) * frequency[-1] < OF_TURN or abs(delay) < SURE * error or abs(slow - fast) > ALIKE * abs(delay):
         return None

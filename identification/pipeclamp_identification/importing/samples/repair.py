@@ -10,6 +10,7 @@ import numpy.typing as npt
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing.samples.blanks import on_lines
 from pipeclamp_identification.importing.samples.split import turns_of
+from pipeclamp_identification.signals.sample_noise import scatter_by_median
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.said import counted
 
@@ -205,7 +206,7 @@ def _spikes(values: Array) -> npt.NDArray[np.bool_]:
         if all(np.max(np.abs(one)) <= bound for one in off):
             continue
         least = np.where(np.all(off > 0, axis=0) | np.all(off < 0, axis=0), np.min(np.abs(off), axis=0), 0.0)
-        usual = 1.4826 * float(np.median(np.abs(off)))
+        usual = scatter_by_median(off)
         far = max(SPIKE * usual, bound)
         at = np.flatnonzero((least > far) & (np.abs(after - before) < APART * least)) + 1
         at = at[_is_alone(values, at, width, far)]
