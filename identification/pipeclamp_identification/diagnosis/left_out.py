@@ -18,6 +18,8 @@ from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 
+OPEN_SHARE = 1e-10
+"""Directions of the scaled parameters of which is told less than this share of the best known one are open."""
 SHORTEST_STEP_SHARE = 2.0**-10
 """Share of a step below which it isn't shortened further."""
 DISAGREE_LIKELIHOOD = 2 * np.log(100.0)
@@ -114,22 +116,37 @@ class WithoutGroups:
 
     def _step(self, own: BoolArray) -> Array:
         """Give how the fitted parameters would move without a group, by the linear formula, inside their bounds."""
-        jacobian, scale = self.fitted.jacobian, self._scale
-        J = (jacobian[own] / scale).reshape(-1, len(scale))
-        rest = (jacobian[~own] / scale).reshape(-1, len(scale))
+        J, known = self._slopes_of(own), self._known_without(own)
         # a group's factors come from what is left of its runs
-        factors = self.observations.factors
-        precision, room = self.result.precision, self.result.room
+        factors, room = self.observations.factors, self.result.room
         if factors is not None:
-            precision = np.concatenate([precision, factors.precision])
             room = np.concatenate([room, np.array([[-np.inf], [np.inf]]) + np.zeros(len(factors.spreads))], axis=1)
-        normal = np.nan_to_num(rest.T @ rest) + np.diag(precision / scale**2)
         pull = np.nan_to_num(J.T @ self.fitted.residual[own].ravel())
         back, ways = self._without_factors_of(own)
         # A direction that this group alone determines can't be foretold without it, but by the priors.
-        inverse = np.linalg.pinv(ways.T @ normal @ ways, rcond=1e-10, hermitian=True)
-        step = back + ways @ (inverse @ (ways.T @ (pull - normal @ back)))
-        return np.asarray(np.clip(step / scale, *room))
+        inverse = np.linalg.pinv(ways.T @ known @ ways, rcond=OPEN_SHARE, hermitian=True)
+        step = back + ways @ (inverse @ (ways.T @ (pull - known @ back)))
+        return np.asarray(np.clip(step / self._scale, *room))
+
+    def shares(self, own: BoolArray) -> Array:
+        """Give a group's share in what all runs and the priors tell of the fitted parameters, shape (P, P).
+
+        Its eigenvalues are the shares in independent directions.
+        """
+        J = self._slopes_of(own)
+        by_own = np.nan_to_num(J.T @ J)
+        return np.asarray(np.linalg.pinv(by_own + self._known_without(own), rcond=OPEN_SHARE, hermitian=True) @ by_own)
+
+    def _slopes_of(self, chosen: BoolArray) -> Array:
+        """Give the scaled derivatives of the residuals of some runs, (n, P)."""
+        return np.asarray((self.fitted.jacobian[chosen] / self._scale).reshape(-1, len(self._scale)))
+
+    def _known_without(self, own: BoolArray) -> Array:
+        """Give what is known of the scaled parameters by the other runs and the priors, (P, P)."""
+        rest, precision = self._slopes_of(~own), self.result.precision
+        if self.observations.factors is not None:
+            precision = np.concatenate([precision, self.observations.factors.precision])
+        return np.asarray(np.nan_to_num(rest.T @ rest) + np.diag(precision / self._scale**2))
 
     @cached_property
     def _scale(self) -> Array:

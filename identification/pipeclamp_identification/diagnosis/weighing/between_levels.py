@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from pipeclamp_identification.diagnosis.left_out import WithoutGroups
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, REAL_LACK_CHANCE
@@ -31,8 +32,6 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 
-SINGULAR_SHARE = 1e-10
-"""Directions of the parameters, in units of what runs tell of each, of which they tell less are open."""
 SHARE_ERROR = 0.01
 """Error of the share of the way between two laws at which the rest of the tests begin to disagree."""
 
@@ -147,14 +146,8 @@ def _squares_by_chance(judged: Judged, problem: Problem, level: IntArray) -> flo
     what all runs tell of it. Such a weighed sum of squares is nearly a multiple of one with fewer degrees of freedom
     (Satterthwaite 1946). `REAL_LACK_CHANCE` says how rarely it is larger.
     """
-    jacobian, precision = np.nan_to_num(judged.fitted.jacobian), judged.result.precision
-    if problem.factors is not None:
-        precision = np.concatenate([precision, problem.factors.precision])
-    scale = np.sqrt(np.sum(jacobian**2, axis=(0, 1)) + precision)
-    scaled = jacobian / np.where(scale > 0, scale, 1.0)
-    there, every = (rows.reshape(-1, len(scale)) for rows in (scaled[level], scaled))
-    told = every.T @ every + np.diag(precision / np.where(scale > 0, scale, 1.0) ** 2)
-    shares = np.linalg.pinv(told, rcond=SINGULAR_SHARE, hermitian=True) @ (there.T @ there)
+    own = np.isin(np.arange(len(problem.loops.run)), level)
+    shares = WithoutGroups(judged.result, problem.observations, problem.coarse, judged.fitted).shares(own)
     total, squared = float(np.trace(shares)), float(np.sum(shares * shares.T))
     if squared <= 0.0:
         return 0.0
