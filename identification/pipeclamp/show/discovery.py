@@ -72,8 +72,8 @@ def _what_tells(found: TermFound) -> str:
     if found.next_test:
         return f"What tells: {found.next_test}"
     return (
-        f"No sine up to {BEYOND_A:g} times the largest amplitude and {BEYOND_F:g} times the highest frequency tells: "
-        f"there they differ by less than {MATERIAL_NOISE_SHARE:g} times the scatter"
+        f"No sine up to {BEYOND_A:g} times the largest amplitude and {BEYOND_F:g} times the highest frequency tells "
+        f"the term from the first of these: they differ by less than {MATERIAL_NOISE_SHARE:g} times the scatter"
     )
 
 
