@@ -25,7 +25,6 @@ from scipy.linalg import block_diag
 
 from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.realise.states import composed
 from pipeclamp_models.steps.tracker import AVERAGING
 from pipeclamp_system.steady.tangents import AMPLITUDE, BEFORE, Passage, Tangents, V, Y
 from pipeclamp_system.transient.modal_step import modal_step
@@ -60,7 +59,7 @@ def _cycle(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     if not count:
         return modal_step(np.hstack([-stiffness, -damping]), -shapes.T, period, 0)[0]
     samples = clamps[0].follows.size
-    return composed(_steps(stiffness, damping, shapes, clamps, period / samples))
+    return _composed(_steps(stiffness, damping, shapes, clamps, period / samples))
 
 
 def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], h: float) -> Array:
@@ -121,3 +120,11 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
 def _taken(shape: Array, passage: Passage, h: float) -> Array:
     """Give the share of a disturbance of a clamp's velocity that its force takes in each step, (n,)."""
     return np.asarray(1 - passage.left * np.exp(-MM * (shape @ shape) * passage.damping * h))
+
+
+def _composed(steps: Array) -> Array:
+    """Give what linear steps (n, ..., d, d) make one after the other, (..., d, d)."""
+    while len(steps) > 1:
+        paired = len(steps) // 2 * 2
+        steps = np.concatenate([steps[1:paired:2] @ steps[:paired:2], steps[paired:]])
+    return np.asarray(steps[0])

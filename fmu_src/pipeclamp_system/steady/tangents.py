@@ -8,9 +8,9 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.realise.arrays import realise
-from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.force import force_of_equations, step_slopes
 from pipeclamp_models.realise.motion import Motion
-from pipeclamp_models.realise.states import SETTLED_SHARE, trail
+from pipeclamp_models.realise.states import SETTLED_SHARE
 from pipeclamp_system.steady.clamp import SteadyClamp, harmonics_of
 from pipeclamp_system.steady.harmonics import SMALLEST_MOTION_MM
 
@@ -123,11 +123,14 @@ def _states_before(slopes: Array, inputs: Array, first: Array) -> Array:
         inputs: changes of the states by all else, (J, rows, n).
         first: changes of the states after a first move from rest to the cycle's last sample, (J, rows).
     """
+    # Loading it takes longer than a clamp without memory, which doesn't come here.
+    from pipeclamp_models.realise.trails import carried
+
     count, rows, samples = inputs.shape
     # What the states at the cycle's begin make of a cycle goes along as further rows.
     added = np.concatenate([inputs.transpose(2, 0, 1), np.zeros((samples, count, count))], axis=2)
     start = np.hstack([first, np.eye(count)])
-    after = trail(start[None], np.ascontiguousarray(slopes.transpose(2, 0, 1))[None], added[None])[0]
+    after = np.asarray(carried(*map(np.ascontiguousarray, (start, slopes.transpose(2, 0, 1), added))))
     before = np.concatenate([start[None], after[:-1]])
     to_begin = np.linalg.pinv(np.eye(count) - after[-1, :, rows:], rcond=SETTLED_SHARE)
     begin = to_begin @ (after[-1, :, :rows] - first)
@@ -168,8 +171,8 @@ def along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     found = np.stack([np.broadcast_to(result, moved[Y].shape) for result in results])
     above, below = np.split(found, 2, axis=1)
     slopes = (above - below) / (2 * nudges)
-    if along_cycle.steps is not None:  # exact, so that what a state keeps for ever is told from what it nearly keeps
-        exact = along_cycle.steps[0].transpose(1, 2, 0)
+    if along_cycle.states:  # exact, so that what a state keeps for ever is told from what it nearly keeps
+        exact = step_slopes(equations, values, smoothing, cycle, along_cycle.states)[0].transpose(1, 2, 0)
         # At a kink both sides count, as they do for the other arguments: else what is kept for ever seems to grow.
         kinked = (np.abs(slopes[1:, own:] - exact) > KINKED * np.maximum(1.0, np.abs(exact))).any(axis=(0, 1))
         slopes[1:, own:] = np.where(kinked, slopes[1:, own:], exact)

@@ -225,7 +225,7 @@ class WhitenedObservations(WeightedLoops):
 
     def in_units(self, plain: Array) -> Array:
         """Give harmonics in N, shape (P, R, m), whitened by the noise alone."""
-        return np.asarray(np.einsum("rij,prj->pri", self.whitener, plain))
+        return np.asarray(np.moveaxis(np.moveaxis(plain, 0, 1) @ np.swapaxes(self.whitener, 1, 2), 1, 0))
 
     def against_noise(self, law_force: LawForce) -> Array:
         """Give measured less law, whitened by the noise alone, shape (R, m)."""

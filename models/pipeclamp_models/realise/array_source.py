@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -15,7 +16,7 @@ from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.replacing import replaced
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.bounded import bounded
-from pipeclamp_models.realise.llvm import slopes_source, turn_source, walk_source
+from pipeclamp_models.realise.llvm import course_source, slopes_source, turn_source, walk_source
 from pipeclamp_models.realise.scalar import PRODUCTS
 from pipeclamp_models.realise.slopes import in_order, needed, slope_of
 from pipeclamp_models.realise.stepping import Definition, exact
@@ -72,13 +73,14 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
         function: one of the functions of `ArrayRealisation`.
 
     Returns:
-        `parts`, each of what is written by itself. Of "walks", "turns" and "update_slopes" these are sets of states
-        that need each other: `source` in LLVM's language; `columns`, what it takes of the update's arguments, for walks
-        and turns those without the states, whose places are `states`; of slopes `index`, places of what is
-        differentiated and of what it is differentiated by, of each that doesn't vanish; of turns too: end and beginning
-        of each within the set. Of the other functions they are the summands of the force, the coefficients, or sets of
-        states: `source`, which defines one function of arrays; `columns`, what it takes of the arguments; `places`, to
-        which of all results each of its own is added. These functions have an `index` of all their derivatives.
+        `parts`, each of what is written by itself. Of "walks", "turns", "courses" and "update_slopes" these are sets of
+        states that need each other: `source` in LLVM's language; `columns`, what it takes of the update's arguments,
+        but for slopes those without the states, whose places are `states`; of slopes, turns and courses `index`, the
+        places of each that doesn't vanish: of the state, within the set but for slopes, and of what it is
+        differentiated by, for turns a state of the set, else among all states, coefficients and parameters. Of the
+        other functions they are the summands of the force, the coefficients, or sets of states: `source`, which defines
+        one function of arrays; `columns`, what it takes of the arguments; `places`, to which of all results each of its
+        own is added. These functions have an `index` of all their derivatives.
     """
     asked = _asked(equations, function)
     match function:
@@ -88,7 +90,9 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
                 for part in _stepped_apart(asked)
             ]
         case "turns":
-            parts = [_marched(part, asked, "turn", _turn) for part in _stepped_apart(asked)]
+            parts = [_marched(part, asked, "turn", partial(_with_index, turn_source)) for part in _stepped_apart(asked)]
+        case "courses":
+            parts = [_course(part, asked) for part in _stepped_apart(asked)]
         case "update_slopes":
             parts = [_step_slopes(part, asked) for part in _stepped_apart(asked)]
         case _:
@@ -180,8 +184,9 @@ def _asked(equations: Composed, function: str) -> AskedFunction:
             return AskedFunction(slow, [entry.expression for entry in equations.coefficients], by=parameters)
         case "force" | "force_with_slopes":
             return AskedFunction(fast, [equations.force], by=by)
-        case "update" | "update_slopes" | "walks" | "turns":
+        case "update" | "update_slopes" | "walks" | "turns" | "courses":
             stages = [(stage.symbol, stage.expression) for stage in equations.stages]
+            by = states if function == "update_slopes" else by
             return AskedFunction(fast, [state.update for state in equations.states], stages, by, states)
         case "energy":
             return AskedFunction(fast, [equations.energy])
@@ -241,14 +246,22 @@ def _marched(
     }
 
 
-def _turn(*of: Any) -> dict[str, Any]:
-    """Write what a whole motion makes of a set of states, with its slopes."""
-    source, index = turn_source(*of)
+def _course(part: AskedFunction, asked: AskedFunction) -> dict[str, Any]:
+    """Write the course of a set of states, with its slopes: see `array_source`."""
+    others = [symbol for symbol in part.lean().by if symbol not in part.states]
+    written = _marched(part, asked, "course", partial(_with_index, partial(course_source, by=others)))
+    by = [*part.states, *others]
+    return {**written, "index": [(row, asked.by.index(by[column])) for row, column in written["index"]]}
+
+
+def _with_index(write: Callable[..., tuple[str, list[Pair]]], *of: Any) -> dict[str, Any]:
+    """Write a march that gives slopes, with their places."""
+    source, index = write(*of)
     return {"source": source, "index": index}
 
 
 def _step_slopes(part: AskedFunction, asked: AskedFunction) -> dict[str, Any]:
-    """Write the slopes of a set of states that are stepped by themselves: see `array_source`."""
+    """Write the slopes of a step of a set of states by those before it: see `array_source`."""
     lean = part.lean()
     source, index = kept(
         f"slopes {lean.content()}", lambda: slopes_source(lean.arguments, lean.by, lean.expressions, lean.stages)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.law.law import Equations
-from pipeclamp_models.realise.walks import Compiled, StepSlopes, Turn, Walk
+from pipeclamp_models.realise.walks import Compiled, Course, StepSlopes, Turn, Walk
 
 FAST_ARGUMENTS = ("y", "v", "a", "y_previous", "h")
 """The fast signals that functions take, in order."""
@@ -18,18 +18,6 @@ NUMPY: Mapping[str, Any] = {name: value for name, value in vars(np).items() if n
 """What functions of arrays may call."""
 Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
-
-
-class Slopes(NamedTuple):
-    """Derivatives that don't vanish, each of a result by a state, a coefficient or a parameter."""
-
-    by_state: Mapping[Pair, Any]
-    by_coefficient: Mapping[Pair, Any]
-    by_parameter: Mapping[Pair, Any]
-
-    def filled(self, values: Sequence[Any]) -> Slopes:
-        """Give values in place of their positions in a list."""
-        return Slopes(*({pair: values[position] for pair, position in block.items()} for block in self))
 
 
 class InParts:
@@ -54,7 +42,7 @@ class ArrayRealisation:
     Arguments of `coefficients` are the slow signals, the parameters and v_r, y_r; `force` takes the fast signals,
     the states, the coefficients, the parameters and v_r, y_r; `update` the same as `force`; `lag` the parameters. The
     derivative functions return a list; the matching index, or places, say what stands where; what is absent is zero.
-    What goes along motions, `walks`, `turns` and `update_slopes`, is machine code.
+    What goes along motions, `walks`, `turns`, `courses` and `update_slopes`, is machine code.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -82,10 +70,10 @@ class ArrayRealisation:
         """The force in N, of states after their update."""
         return self._compiled("force")
 
-    @cached_property
-    def force_slope_places(self) -> Slopes:
-        """Where each derivative stands after the force in `force_with_slopes`; the force is result 0."""
-        return self._places(self._index("force_with_slopes"))
+    @property
+    def force_slope_index(self) -> tuple[int, ...]:
+        """Of each derivative in `force_with_slopes` what it is by: its place among states, coefficients, parameters."""
+        return tuple(column for _, column in self._index("force_with_slopes"))
 
     @cached_property
     def force_with_slopes(self) -> Compiled:
@@ -97,15 +85,14 @@ class ArrayRealisation:
         """The states after a step."""
         return self._compiled("update")
 
-    @cached_property
-    def update_slope_places(self) -> Slopes:
-        """Where each derivative stands in all of `update_slopes`; results are the states after a step."""
-        parts = self.written("update_slopes")["parts"]
-        return self._places([(row, column) for one in parts for row, column in one["index"]])
+    @property
+    def update_slope_index(self) -> tuple[Pair, ...]:
+        """(state, state before) of each of all `update_slopes`."""
+        return tuple((row, column) for one in self.written("update_slopes")["parts"] for row, column in one["index"])
 
     @cached_property
     def update_slopes(self) -> Sequence[StepSlopes]:
-        """The derivatives of the states after a step, by those states that need each other."""
+        """The derivatives of the states after a step by those before it, by those states that need each other."""
         return [
             StepSlopes(len(one["index"]), one["columns"], one["source"])
             for one in self.written("update_slopes")["parts"]
@@ -121,6 +108,14 @@ class ArrayRealisation:
         """What whole motions make of the states, those together that need each other."""
         return [
             Turn(one["states"], one["columns"], one["index"], one["source"]) for one in self.written("turns")["parts"]
+        ]
+
+    @cached_property
+    def courses(self) -> Sequence[Course]:
+        """How states and their slopes go along motions, those together that need each other."""
+        return [
+            Course(one["states"], one["columns"], one["index"], one["source"])
+            for one in self.written("courses")["parts"]
         ]
 
     @cached_property
@@ -166,22 +161,6 @@ class ArrayRealisation:
 
     def _index(self, function: str) -> tuple[Pair, ...]:
         return tuple((row, column) for row, column in self.written(function)["index"])
-
-    def _places(self, index: Sequence[Pair]) -> Slopes:
-        """Give where each derivative by a state, a coefficient or a parameter stands, from the places of all."""
-        coefficients = len(self._equations.states)
-        parameters = coefficients + len(self._equations.outline.coefficients)
-        by_state: dict[Pair, int] = {}
-        by_coefficient: dict[Pair, int] = {}
-        by_parameter: dict[Pair, int] = {}
-        for position, (result, column) in enumerate(index):
-            if column < coefficients:
-                by_state[result, column] = position
-            elif column < parameters:
-                by_coefficient[result, column - coefficients] = position
-            else:
-                by_parameter[result, column - parameters] = position
-        return Slopes(by_state, by_coefficient, by_parameter)
 
 
 @lru_cache(maxsize=1024)

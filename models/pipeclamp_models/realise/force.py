@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.law.law import Equations, Law
-from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Slopes, realise
+from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Pair, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
 from pipeclamp_models.realise.states import March, States
 from pipeclamp_models.realise.walks import Compiled
@@ -26,7 +26,8 @@ class Jacobian:
 
     Attributes:
         courses: shape (K, R, n).
-        terms: for each parameter, the courses that make up its derivative, by place, and their factors, shape (R, 1).
+        terms: for each parameter, the courses that make up its derivative, by place, and their factors, shape (R, 1) or
+            numbers.
     """
 
     courses: Array
@@ -78,7 +79,6 @@ class LawForce:
         unsettled: rows in which a state isn't periodic after all that was tried: their force is that of one cycle among
             others; shape (R,).
         states: the states after each sample, J arrays of shape (R, n).
-        steps: of periodic motions, derivatives of the states by those a sample before, shape (R, n, J, J).
     """
 
     force: Array
@@ -87,7 +87,6 @@ class LawForce:
     held: Array
     unsettled: BoolArray
     states: Sequence[Array]
-    steps: Array | None = None
 
 
 def known_jacobian(law_force: LawForce) -> Jacobian:
@@ -121,77 +120,96 @@ def force_of_equations(
         parameters: values in the order of the equations' parameters.
         smoothing: v_r (mm/s) and y_r (mm).
         motion: the motions, R rows of n samples.
-        derivatives: whether the Jacobian is wanted.
+        derivatives: whether the Jacobian is wanted, of periodic motions alone.
 
     Raises:
+        ValueError: it is wanted of others.
         UserError: a condition that the law depends on isn't stated.
     """
+    if derivatives and not motion.periodic:
+        raise ValueError("got a record; expected periodic motions, the only ones with derivatives")
     compiled = realise(equations)
     refuse_unknown_conditions(compiled.slow, motion)
-    rows, samples = motion.y.shape
     values = [float(value) for value in parameters]
     slow = [motion.slow[name] for name in compiled.slow]
+    numbers = [*values, *smoothing]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
-        coefficients = compiled.coefficients(*slow, *values, *smoothing)
-        coefficient_slopes = {}
-        if derivatives:  # to derive and to compile them takes longer than the forces of a few loops
-            slopes = compiled.coefficient_slopes(*slow, *values, *smoothing)
-            coefficient_slopes = dict(zip(compiled.coefficient_slope_index, slopes, strict=True))
-        columns = [_column(value, rows) for value in coefficients]
-        slope_columns = {index: _column(value, rows) for index, value in coefficient_slopes.items()}
-        march = March(compiled, equations, columns, slope_columns, values, smoothing, motion)
-        states = march.states(derivatives=derivatives)
+        coefficients = compiled.coefficients(*slow, *numbers)
+        states = _march(compiled, equations, coefficients, numbers, motion).states(derivatives=derivatives)
         fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.moved_in]
-        arguments = [*fast, *states.after, *coefficients, *values, *smoothing]
-        shape = (rows, samples)
+        arguments = [*fast, *states.after, *coefficients, *numbers]
         evaluated = compiled.force_with_slopes if derivatives else compiled.force
-        force, *slopes = _with_means(evaluated, arguments, motion.turning, shape)
-        held = _held(compiled, fast, states, [*coefficients, *values, *smoothing], motion)
-    law_force = LawForce(force, None, states.adrift, held, states.unsettled, states.after, states.steps)
-    if derivatives:
-        by_states = dict(zip(march.moving, np.moveaxis(states.slopes, 1, 0), strict=True))
-        found = compiled.force_slope_places.filled(slopes)
-        law_force = replace(law_force, jacobian=_jacobian(len(values), shape, found, by_states, slope_columns))
+        force, *slopes = _with_means(evaluated, arguments, motion.turning, motion.y.shape)
+        held = _held(compiled, fast, states, [*coefficients, *numbers], motion)
+        jacobian = None
+        if derivatives:  # to derive and to compile them takes longer than the forces of a few loops
+            by_parameters = dict(
+                zip(compiled.coefficient_slope_index, compiled.coefficient_slopes(*slow, *numbers), strict=True)
+            )
+            found = dict(zip(compiled.force_slope_index, slopes, strict=True))
+            jacobian = _jacobian(equations, motion, found, states.slopes, by_parameters)
+    law_force = LawForce(force, jacobian, states.adrift, held, states.unsettled, states.after)
     return _late(compiled, values, motion, law_force)
 
 
-def _jacobian(
-    count: int,
-    shape: tuple[int, int],
-    slopes: Slopes,
-    states: Mapping[int, Array],
-    coefficients: Mapping[tuple[int, int], Array],
-) -> Jacobian:
-    """Put the derivatives by the parameters together.
+def step_slopes(
+    equations: Equations, parameters: Sequence[float] | Array, smoothing: tuple[float, float], motion: Motion,
+    states: Sequence[Array],
+) -> Array:  # fmt: skip
+    """Give the derivatives of periodic states by those a sample before, shape (R, n, J, J).
 
     Args:
-        count: number of parameters.
-        shape: (R, n).
-        slopes: of the force, of that shape each.
-        states: slopes of the states by a parameter, shape (J, R, n) each.
-        coefficients: slopes of coefficients by parameters, shape (R, 1), or (R, n) where conditions change along a row.
+        equations, parameters, smoothing, motion: as of `force_of_equations`.
+        states: as its answer has them.
     """
-    courses: list[Array] = []
-    terms: list[list[tuple[int, Array | float]]] = [[] for _ in range(count)]
+    compiled = realise(equations)
+    numbers = [*map(float, parameters), *smoothing]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
+        coefficients = compiled.coefficients(*(motion.slow[name] for name in compiled.slow), *numbers)
+        return _march(compiled, equations, coefficients, numbers, motion).step_slopes(states)
 
-    def add(course: Array, factors: Mapping[int, Array | float]) -> None:
-        for parameter, factor in factors.items():
-            terms[parameter].append((len(courses), factor))
-        courses.append(course)
 
-    if slopes.by_state:
-        for parameter, moved in states.items():
-            by_way_of = [slope * moved[state] for (_, state), slope in slopes.by_state.items()]
-            add(np.sum(by_way_of, axis=0), {parameter: 1.0})
-    for (_, coefficient), slope in slopes.by_coefficient.items():
-        inner = {parameter: factor for (entry, parameter), factor in coefficients.items() if entry == coefficient}
-        add(slope, {parameter: factor for parameter, factor in inner.items() if factor.shape[1] == 1})
-        for parameter, factor in inner.items():
-            if factor.shape[1] > 1:
-                add(slope * factor, {parameter: 1.0})
-    for (_, parameter), slope in slopes.by_parameter.items():
-        add(slope, {parameter: 1.0})
-    return Jacobian(np.array(courses).reshape(len(courses), *shape), terms)
+def _march(
+    compiled: ArrayRealisation,
+    equations: Equations,
+    coefficients: Sequence[npt.ArrayLike],
+    numbers: Sequence[float],
+    motion: Motion,
+) -> March:
+    columns = [_column(value, len(motion.y)) for value in coefficients]
+    return March(compiled, equations, columns, numbers, motion)
+
+
+def _jacobian(
+    equations: Equations,
+    motion: Motion,
+    slopes: Mapping[int, Array],
+    of_states: Mapping[Pair, Array],
+    of_coefficients: Mapping[Pair, Array | float],
+) -> Jacobian:
+    """Put the derivatives by the parameters together: a course for each coefficient, and for each parameter itself.
+
+    Args:
+        equations: the composed law: states, coefficients and parameters.
+        motion: periodic motions.
+        slopes: of the force, (R, n) each, by places among states, coefficients and parameters.
+        of_states: slopes of the states, (R, n) each, by places among them, and among coefficients and parameters.
+        of_coefficients: slopes of coefficients by parameters, which keep still along the motions.
+    """
+    states, coefficients = len(equations.states), len(equations.outline.coefficients)
+    courses = {place - states: slope for place, slope in slopes.items() if place >= states}
+    for (state, by), slope in of_states.items():
+        if state in slopes:
+            moved = slopes[state] * slope
+            courses[by] = courses[by] + moved if by in courses else moved
+    terms: list[list[tuple[int, Array | float]]] = [[] for _ in equations.names]
+    for course, by in enumerate(courses):
+        if by >= coefficients:
+            terms[by - coefficients].append((course, 1.0))
+        for (coefficient, parameter), factor in of_coefficients.items():
+            if coefficient == by:
+                terms[parameter].append((course, factor))
+    return Jacobian(np.array(list(courses.values())).reshape(len(courses), *motion.y.shape), terms)
 
 
 def _held(
@@ -277,7 +295,7 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, l
         return law_force
     lag = float(compiled.lag(*values)[0])
     if not motion.periodic:
-        return _later(compiled, values, motion.h, lag, law_force)
+        return _later(motion.h, lag, law_force)
     samples = motion.y.shape[1]
     omega = 2 * np.pi * np.arange(samples // 2 + 1) / (samples * motion.h)
     turn = np.exp(-1j * omega * lag)
@@ -291,7 +309,7 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, l
     return replace(law_force, force=late, jacobian=law_force.jacobian.moved(courses, by_lag, lag_slopes))
 
 
-def _later(compiled: ArrayRealisation, values: Sequence[float], h: Array, lag: float, law_force: LawForce) -> LawForce:
+def _later(h: Array, lag: float, law_force: LawForce) -> LawForce:
     """Delay the force of records, straight between samples; what is before and after them stands still."""
     last = law_force.force.shape[1] - 1
     place = np.clip(np.arange(last + 1) - lag / h, 0.0, last)
@@ -303,12 +321,4 @@ def _later(compiled: ArrayRealisation, values: Sequence[float], h: Array, lag: f
     def delayed(samples: Array) -> Array:
         return np.asarray((1 - share) * samples[..., rows, left] + share * samples[..., rows, right])
 
-    force = law_force.force
-    late = delayed(force)
-    if law_force.jacobian is None:
-        return replace(law_force, force=late)
-    moving = (place > 0.0) & (place < last)
-    by_lag = -np.where(moving, (force[rows, right] - force[rows, left]) / h, 0.0)
-    lag_slopes = dict(zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True))
-    jacobian = law_force.jacobian.moved(delayed(law_force.jacobian.courses), by_lag, lag_slopes)
-    return replace(law_force, force=late, jacobian=jacobian)
+    return replace(law_force, force=delayed(law_force.force))

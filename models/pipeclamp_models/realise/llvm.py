@@ -410,17 +410,80 @@ def turn_source(
     return march.written(), index
 
 
+def course_source(
+    arguments: Sequence[sp.Symbol],
+    states: Sequence[sp.Symbol],
+    updates: Sequence[sp.Expr],
+    stages: Sequence[Definition],
+    by: Sequence[sp.Symbol],
+) -> tuple[str, list[tuple[int, int]]]:
+    """Write a march that steps states and gives those after each sample, then their slopes there.
+
+    The slopes are by the states before the first sample, and by others of the arguments, which keep still: the steps'
+    slopes, gathered on the way. What is taken is as of `walk_source`; of each slope that doesn't vanish the places come
+    with it, of the state and of what it is differentiated by, among the states and, after them, the others.
+    """
+    march = MarchWriter("course", len(arguments))
+    builder = march.builder
+    index = [*_reached(states, updates, stages), *_reached_from(by, states, updates, stages)]
+    kept, gathered = march.held(states), march.held(index)
+    with march.through(march.rows) as row:
+        march.begin(kept, row)
+        for (state, source), address in gathered.items():
+            builder.store(_number(float(state == source)), address)
+        with march.through(march.samples) as sample:
+            so_far = march.read(gathered)
+            known = {**march.arguments(arguments, row, sample), **march.read(kept)}
+            writer = Writer(builder, known, stages, [*states, *by])
+            for place, (state, update) in enumerate(zip(states, updates, strict=True)):
+                value = writer.value(update)
+                builder.store(value, kept[state])
+                march.write(place, row, value, sample)
+            for result, (end, source) in enumerate(index, start=len(states)):
+                slopes = writer.slopes(updates[end])
+                terms = [
+                    builder.fmul(slopes[state], so_far[between, source])
+                    for between, state in enumerate(states)
+                    if state in slopes and (between, source) in so_far
+                ]
+                if source >= len(states) and by[source - len(states)] in slopes:
+                    terms.append(slopes[by[source - len(states)]])
+                slope = reduce(builder.fadd, terms, _number(0.0))
+                builder.store(slope, gathered[end, source])
+                march.write(result, row, slope, sample)
+    return march.written(), index
+
+
 def _reached(
     states: Sequence[sp.Symbol], updates: Sequence[sp.Expr], stages: Sequence[Definition]
 ) -> list[tuple[int, int]]:
     """Give the pairs of states of which the first depends on the second, in however many steps, and each on itself."""
     reached = np.eye(len(states), dtype=np.bool_)
-    for place, update in enumerate(updates):
-        used = set().union(*(part.free_symbols for _, part in needed(stages, [update])), update.free_symbols)
+    for place, used in enumerate(_used(updates, stages)):
         reached[place] |= [symbol in used for symbol in states]
     for between in range(len(states)):
         reached |= np.outer(reached[:, between], reached[between])
     return [(int(end), int(beginning)) for end, beginning in np.argwhere(reached)]
+
+
+def _reached_from(
+    by: Sequence[sp.Symbol],
+    states: Sequence[sp.Symbol],
+    updates: Sequence[sp.Expr],
+    stages: Sequence[Definition],
+) -> list[tuple[int, int]]:
+    """Give the same of states that depend on other symbols, whose places are counted on after those of the states."""
+    used, through = _used(updates, stages), _reached(states, updates, stages)
+    pairs = {(end, place) for place, symbol in enumerate(by) for end, state in through if symbol in used[state]}
+    return sorted((end, len(states) + place) for end, place in pairs)
+
+
+def _used(updates: Sequence[sp.Expr], stages: Sequence[Definition]) -> list[set[sp.Basic]]:
+    """Give the symbols that each update depends on, by way of the stages too."""
+    return [
+        set().union(*(part.free_symbols for _, part in needed(stages, [update])), update.free_symbols)
+        for update in updates
+    ]
 
 
 def slopes_source(

@@ -29,7 +29,7 @@ STRUCTURES = [
 ]
 FUNCTIONS = (
     "coefficients", "coefficient_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks", "turns",
-    "energy", "lag", "lag_slopes",
+    "courses", "energy", "lag", "lag_slopes",
 )  # fmt: skip
 SIZES = {
     **{"A_typical": 0.6, "A_highest": 1.0, "F_typical": 1500.0, "f_typical": 3.0, "f_lowest": 1.0, "f_highest": 5.0},
@@ -155,12 +155,13 @@ def test_states_are_stepped_alike_whatever_became_of_the_machine_code(where, tmp
         "import numpy as np\n"
         "from pipeclamp_models.law.law import Structure\n"
         "from pipeclamp_models.realise.arrays import realise\n"
+        "from pipeclamp_models.realise.walks import Taken\n"
         "equations = Structure('power', ('memory',)).equations\n"
         "moving = [np.linspace(-1, 1, 8).reshape(2, 4) ** power for power in range(1, 5)] + [np.full((2, 1), 0.01)]\n"
         "count = len(equations.outline.coefficients) + len(equations.names) + 2\n"
         "held = [np.full((2, 1), 0.1 + place) for place in range(count)]\n"
         "for walk in realise(equations).walks:\n"
-        "    print(walk(np.zeros((len(equations.states), 2)), [*moving, *held], (2, 4)).tolist())\n"
+        "    print(walk(np.zeros((len(equations.states), 2)), Taken([*moving, *held], (2, 4))).tolist())\n"
     )
     environment = os.environ | {"PIPECLAMP_CACHE": str(tmp_path / where) if where else ""}
     printed = []

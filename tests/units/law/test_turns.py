@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 import pytest
 
 from pipeclamp_models.law.law import Structure, smoothing
 from pipeclamp_models.law.outline import number_in
 from pipeclamp_models.realise.arrays import realise
-from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.force import force_of_equations, step_slopes
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_models.realise.sizes import data_sizes
-from pipeclamp_models.realise.states import composed
+from pipeclamp_models.realise.walks import Taken
 
 SAMPLES = 64
 STRUCTURES = [
@@ -39,9 +41,10 @@ def test_a_turn_is_all_steps_of_a_cycle(structure):
     numbers = [*values, *smoothing(0.2, 1.0)]
     arguments = [*taken, *compiled.coefficients(*slow, *numbers), *numbers]
     end = np.array(found.states)[:, :, -1]
-    slopes = composed(np.moveaxis(found.steps, 1, 0))
+    steps = step_slopes(equations, values, smoothing(0.2, 1.0), motion, found.states)
+    slopes = reduce(lambda before, step: step @ before, np.moveaxis(steps, 1, 0))
     for turn in compiled.turns:
-        after, largest, own = turn(end, arguments, motion.y.shape)
+        after, largest, own = turn(end, Taken(arguments, motion.y.shape))
         size = np.max(np.abs(np.array(found.states)[turn.states]), axis=2)
         np.testing.assert_allclose(after, end[turn.states], rtol=1e-6, atol=1e-8 * size.max())
         np.testing.assert_allclose(largest, size, rtol=1e-6, atol=1e-8 * size.max())

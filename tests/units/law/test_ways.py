@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_models.law.law import Structure
-from pipeclamp_models.realise.force import force_of_equations, known_jacobian
+from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.steps.ways import ways_along
 
@@ -23,14 +23,14 @@ def shaken(sizes=(0.6,), phase=0.3):
     return y, v, np.full((len(sizes), 1), H), y[:, :1]
 
 
-def along(y, v, h, rest, parts, values=VALUES, *, derivatives=False):
+def along(y, v, h, rest, parts, values=VALUES):
     equations = Structure("memory", ("play",)).equations
     slow = {name: np.ones_like(h) for name in equations.slow_signals}
     motion = Motion(y, v, np.zeros_like(y), slow, h, periodic=False, rest=rest)
     if parts:
         motion = Motion(**{**vars(motion), "ways": ways_along(y, v, h, rest, parts)})
     vector = [values.get(name, 0.0) for name in equations.names]
-    return equations.names, force_of_equations(equations, vector, (1e-3, 1e-3), motion, derivatives=derivatives)
+    return equations.names, force_of_equations(equations, vector, (1e-3, 1e-3), motion)
 
 
 @pytest.mark.parametrize("parts", [1, 16])
@@ -65,14 +65,3 @@ def test_rows_do_not_see_each_other():
         assert together.force[row] == pytest.approx(alone.force[0], rel=1e-12, abs=1e-9)
     motion = Motion(y, v, y, {}, h, periodic=False, rest=rest, ways=ways_along(y, v, h, rest, 16))
     assert np.array_equal(motion.rows(np.array([2])).y_previous, motion.y_previous[2:])
-
-
-def test_derivatives_are_those_of_the_walked_force():
-    y, v, h, rest = shaken()
-    names, found = along(y, v, h, rest, 16, derivatives=True)
-    told = known_jacobian(found).of(np.arange(len(names)))
-    for name in ("k_s", "z_s", "k10"):
-        aside = 1e-5 * VALUES[name]
-        ahead, behind = (along(y, v, h, rest, 16, {**VALUES, name: VALUES[name] + move})[1] for move in (aside, -aside))
-        numeric = (ahead.force - behind.force) / (2 * aside)
-        assert told[names.index(name)] == pytest.approx(numeric, rel=1e-4, abs=1e-4 * np.abs(numeric).max())
