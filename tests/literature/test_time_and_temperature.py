@@ -28,6 +28,6 @@ def force_at(temperature, frequency, effects, values):
 def test_a_temperature_is_another_frequency(arms, temperature):
     above = temperature - 293.15
     shift = 10 ** (-C1 * above / (C2 + above))
-    followed = {"r_T1": -100 * np.log(10) * C1 / C2, "w_T": C2}
+    followed = {"r_T1": -100 * np.log(10) * C1 / C2, "w_T": C2, "T_r": 293.15}
     warm = force_at(temperature, 2.0, (arms, "relaxation_temperature"), ARMS[arms] | followed)
     np.testing.assert_allclose(warm, force_at(293.15, 2.0 * shift, (arms,), ARMS[arms]), rtol=1e-9, atol=1e-9)

@@ -76,7 +76,7 @@ def fit(
     held = structure.held()
     reasons = not_fitted(structure, equations, observations)
     scales = data_scales(observations)
-    neutral = {parameter.name: _neutral(parameter, scales) for parameter in equations.parameters}
+    neutral = {parameter.name: parameter.neutral for parameter in equations.parameters if parameter.neutral is not None}
     best: tuple[float, Array] | None = None
     given = start or {}
     points = starts_by_effect(structure, given, scales)
@@ -87,9 +87,8 @@ def fit(
         for attempt, values in enumerate(starts):
             if len(starts) > 1:
                 progress(f"fit from start {attempt + 1} of {len(starts)}")
-            begin = np.array(
-                [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
-            )
+            stay = {name: held.get(name, neutral.get(name, values[name])) for name in reasons}
+            begin = np.array([stay.get(name, values[name]) for name in equations.names])
             cost, solution = _minimise(law, begin, frozenset(reasons), scales, tolerance)
             if best is None or cost <= best[0] * (1 + EQUALLY_GOOD):
                 best = cost, solution

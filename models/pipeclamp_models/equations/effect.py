@@ -37,6 +37,7 @@ class Parameter:
         known_within: standard deviation by which `neutral` is known beforehand, from physics: of a normal prior.
         if_scaled: whether it is there only in laws that have what a factor with it scales.
         by_shape: whether nothing but a loop's shape tells it from others where the amplitude doesn't vary.
+        stated: whether others are stated at it, so that no data determine it: it stays where it starts.
     """
 
     symbol: sp.Symbol
@@ -52,6 +53,7 @@ class Parameter:
     known_within: float | None = None
     if_scaled: bool = False
     by_shape: bool = False
+    stated: bool = False
 
     @property
     def name(self) -> str:

@@ -20,7 +20,8 @@ def log_factor(difference: sp.Expr, slope: sp.Expr, above_still: sp.Expr) -> sp.
         slope: the change's slope there, in 100 K.
         above_still: how far that lies above the temperature below which nothing relaxes any more, K.
     """
-    return slope * difference / 100 / sp.Max(1 + difference / above_still, STILL)
+    held = sp.Max(difference, (STILL - 1) * above_still)
+    return slope * held / 100 / (1 + held / above_still)
 
 
 slowest, fastest = 1 / (2 * sp.pi * f_lowest), 1 / (2 * sp.pi * f_highest)
@@ -28,7 +29,7 @@ STARTS = (slowest, sp.sqrt(slowest * fastest), fastest)
 LOWER, UPPER = fastest / 20, slowest * 20
 """Faster ones act as a dashpot, slower ones as a spring, in every test."""
 
-nearest = sp.Min(sp.Max(T_0, T_lowest), T_highest)
+NEAREST = sp.Min(sp.Max(T_0, T_lowest), T_highest)
 """Of the temperatures tested the one nearest to T0, that the times are stated at."""
-COLDEST, HOTTEST = (sp.exp(-log_factor(end - nearest, SLOPE, ABOVE_STILL)) for end in (T_lowest, T_highest))
+COLDEST, HOTTEST = (sp.exp(-log_factor(end - NEAREST, SLOPE, ABOVE_STILL)) for end in (T_lowest, T_highest))
 """Factors on a time that is seen near T0, for one that is seen at the coldest or the hottest test."""

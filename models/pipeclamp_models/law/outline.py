@@ -42,7 +42,7 @@ class ParameterOutline:
     """A parameter of a law.
 
     Attributes:
-        name, unit, meaning, neutral, levels, by_shape: as of the effect's `Parameter`.
+        name, unit, meaning, neutral, levels, by_shape, stated: as of the effect's `Parameter`.
         effect: name of the effect that it belongs to.
         starts: where the fit starts, one value or several.
         lower, upper: bounds.
@@ -66,6 +66,7 @@ class ParameterOutline:
     used: bool
     at_rest: bool
     by_shape: bool
+    stated: bool
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], co
         used=parameter.symbol in composed.used_symbols,
         at_rest=parameter.symbol in composed.at_rest.free_symbols,
         by_shape=parameter.by_shape,
+        stated=parameter.stated,
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 from few_effects import few_effects
 
 from pipeclamp_identification.campaign.runs_table import Setup
+from pipeclamp_identification.fitting.joint.not_fitted import STATED
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
@@ -29,8 +30,8 @@ SOFT = {
     "k10": 40.0, "k1_A": 0.0, "k1_T": 0.0, "k30": 0.0, "k3_A": 0.0, "k3_T": 0.0,
     "c0": 2.0, "c_A": 0.0, "c_f": 0.0, "alpha0": 0.5, "alpha_A": 0.0, "alpha_f": 0.0,
 }  # fmt: skip
-RUBBER = {"k_m": 800.0, "tau": 0.1, "r_T1": -10.0, "w_T": 120.0}
-SPREAD = {"k_r": 800.0, "tau_r": 0.02, "beta_r": 0.6, "r_T1": -12.0, "w_T": 150.0}
+RUBBER = {"k_m": 800.0, "tau": 0.1, "r_T1": -10.0, "w_T": 120.0, "T_r": 293.15}
+SPREAD = {"k_r": 800.0, "tau_r": 0.02, "beta_r": 0.6, "r_T1": -12.0, "w_T": 150.0, "T_r": 293.15}
 FREQUENCIES, TEMPERATURES = (0.1, 1.0, 10.0), (-20.0, 0.0, 20.0, 40.0)
 GRID = [(1.0, f, T) for f, T in itertools.product(FREQUENCIES, TEMPERATURES)] + [(0.5, 1.0, 20.0), (0.5, 10.0, 0.0)]
 TOGETHER = ("relaxation", "relaxation_temperature")
@@ -38,16 +39,16 @@ RIVALS = (*TOGETHER, "damping_temperature", "stiffness_frequency", "unilateral_c
 """What takes most by itself here, of several kinds."""
 
 
-def metrics(effects, values, scatter=0.003):
-    """Metrics of a soft law with relaxation that each temperature moves elsewhere."""
-    A, f, T = np.array(GRID).T
+def metrics(effects, values, scatter=0.003, warmer=0.0):
+    """Metrics of a soft law with relaxation that each temperature moves elsewhere, tested so much warmer."""
+    A, f, T = np.array(GRID).T + np.array([[0.0], [0.0], [warmer]])
     motion = sinusoids(A, f, T + 273.15)
     force = force_of_law(Law(Structure("power", effects), {**SOFT, **values}, 0.0126, 0.002), motion).force
     energies = np.stack(loop_energies(motion, force), axis=1)
     energies *= np.exp(scatter * np.random.default_rng(0).standard_normal(energies.shape))
     runs = tuple(
         MetricRun(f"r{row}", Setup(temperature_C=T), A, f, *(float(f"{one:.4g}") for one in pair), (1e-4, 1e-4))
-        for row, ((A, f, T), pair) in enumerate(zip(GRID, energies, strict=True))
+        for row, ((A, f, T), pair) in enumerate(zip(zip(A, f, T, strict=True), energies, strict=True))
     )
     return MetricCampaign("virtual", "", "none", runs, (), ())
 
@@ -60,6 +61,19 @@ def climbed():
     with few_effects(*RIVALS, "relaxation_spread"):
         end = add_until_settled(file, MetricTests(tests), command="", seen=lambda one, _: found.append(one))
     return end, found
+
+
+def test_what_relaxes_no_more_at_20_degrees_is_described_from_the_coldest_test():
+    """A polymer that is glass up to 30 degC, tested from 100 degC on."""
+    tests = metrics(TOGETHER, {"k_m": 800.0, "tau": 0.3, "r_T1": -15.0, "w_T": 70.0, "T_r": 373.15}, warmer=120.0)
+    found = identify_metrics(tests, Structure("power", TOGETHER))
+    values = found.law.values
+    assert (values["r_T1"], values["w_T"]) == pytest.approx((-15.0, 70.0), rel=0.1)
+    assert values["T_r"] == pytest.approx(373.15)
+    assert found.frozen["T_r"] == STATED
+    warm = replace(tests, runs=tuple(run for run in tests.runs if run.setup.temperature_C > 100.0))
+    again = fit(Structure("power", TOGETHER), metric_observations(warm), start=values)
+    assert again.law.values["T_r"] == values["T_r"], "what is fitted to some of the tests is stated there as well"
 
 
 def test_an_effect_is_named_with_the_one_that_scales_only_it(climbed):

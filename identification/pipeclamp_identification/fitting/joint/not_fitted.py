@@ -11,19 +11,23 @@ from pipeclamp_models.law.law import Equations, Structure, find_base
 HELD = "held by the law's structure"
 WISHED = "held by wish"
 DENIED = "at rest before the tests there is no such force"
+STATED = "taken from the tests: others are stated at it"
 ONE_AMPLITUDE = "A doesn't vary, and without records nothing shows the loops' shape"
 
 
 def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
     """Give the parameters that the data can't determine, with the reason.
 
-    Nothing uses them, their condition doesn't vary, they make a constant force, which forces at rest deny, or loops of
-    one amplitude don't show them, whose shape isn't known.
+    Nothing uses them, others are only stated at them, their condition doesn't vary, they make a constant force, which
+    forces at rest deny, or loops of one amplitude don't show them, whose shape isn't known.
     """
     reasons: dict[str, str] = {}
     for parameter in equations.parameters:
         if not parameter.used:
             reasons[parameter.name] = "the law has nothing that it scales"
+            continue
+        if parameter.stated:
+            reasons[parameter.name] = STATED
             continue
         if parameter.at_rest and observations.deny_constant_force:
             reasons[parameter.name] = DENIED
