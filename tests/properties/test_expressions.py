@@ -90,8 +90,8 @@ def test_an_expression_has_derivatives_that_numpy_can_work_out(text):
 @example("min(y, v, 0.5) * max(v, 1) + sqrt(abs(v)) + sign(y) * abs(y) ** p_1 + y ** 7 / v ** 2 - p_1 ** v")
 def test_machine_code_has_numpys_values_and_slopes(text):
     from pipeclamp_models.realise.array_source import _nonzero_slopes
-    from pipeclamp_models.realise.llvm import slopes_source, walk_source
-    from pipeclamp_models.realise.walks import StepSlopes, Walk
+    from pipeclamp_models.realise.marches import course_source, slopes_source, walk_source
+    from pipeclamp_models.realise.walks import Course, StepSlopes, Taken, Walk
 
     try:
         expression = parse_expression(text, NAMES, "force")
@@ -99,22 +99,22 @@ def test_machine_code_has_numpys_values_and_slopes(text):
         return
     names, through = list(NAMES.values()), sp.Symbol("through", real=True)
     off_kinks = [POINTS["y"] + np.sqrt(2) / 100, POINTS["v"] + np.sqrt(3) / 100, POINTS["p_1"]]
-    columns = [values[None] for values in off_kinks]
+    taken, rest = Taken([values[:, None] for values in off_kinks], (5, 1)), np.zeros((1, 5))
     walk = Walk([0], range(3), walk_source(names, [through], [expression], []))
     source, index = slopes_source(names, names, [2 * through], [(through, expression)])
-    slopes = StepSlopes(len(index), range(3), source)(columns, (1, 5))
-    found = dict(zip(index, slopes, strict=True))
-    pairs = [(walk(np.zeros((1, 1)), columns, (1, 5))[0], expression)]
-    pairs += [
-        (found.get(place, np.zeros((1, 5))), slope)
-        for place, slope in zip(*_nonzero_slopes([2 * expression], names), strict=True)
-    ]
+    slopes = dict(zip(index, StepSlopes(len(index), range(3), source)(taken), strict=True))
+    source, index = course_source(names, [through], [expression], [], names)
+    along = Course([0], range(3), index, source)(rest, taken)
+    pairs = [(walk(rest, taken)[0], expression), (along.states[0], expression)]
+    for (_, column), slope in zip(*_nonzero_slopes([expression], names), strict=True):
+        pairs.append((slopes.get((0, column), np.zeros((5, 1))), 2 * slope))
+        pairs.append((along.slopes.get((0, 1 + column), np.zeros((5, 1))), slope))
     for ours, theirs in pairs:
         with np.errstate(all="ignore"):
             values = sp.lambdify(names, theirs, "numpy")(*off_kinks)
         numbers = np.broadcast_to(np.asarray(values, dtype=float), 5)
-        sound = np.isfinite(numbers) & np.isfinite(ours[0]) & (np.abs(numbers) < 1e6)
-        np.testing.assert_allclose(ours[0][sound], numbers[sound], rtol=1e-9, atol=1e-9)
+        sound = np.isfinite(numbers) & np.isfinite(ours[:, 0]) & (np.abs(numbers) < 1e6)
+        np.testing.assert_allclose(ours[sound, 0], numbers[sound], rtol=1e-9, atol=1e-9)
 
 
 ALPHABET = string.ascii_letters + string.digits + "+-*/()., <>=_\n\t\"'[]{}:;#\\@!%^&|~äλ\x00"

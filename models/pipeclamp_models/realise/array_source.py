@@ -16,7 +16,7 @@ from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.replacing import replaced
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.bounded import bounded
-from pipeclamp_models.realise.llvm import course_source, slopes_source, turn_source, walk_source
+from pipeclamp_models.realise.marches import course_source, slopes_source, turn_source, walk_source
 from pipeclamp_models.realise.scalar import PRODUCTS
 from pipeclamp_models.realise.slopes import in_order, needed, slope_of
 from pipeclamp_models.realise.stepping import Definition, exact

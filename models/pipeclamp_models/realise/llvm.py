@@ -7,11 +7,8 @@ At a kink the slope is that of the side that the value is taken from.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from functools import partial, reduce
-from typing import TypeVar
 
-import numpy as np
 import sympy as sp
 from llvmlite import ir
 from sympy.codegen.cfunctions import expm1
@@ -19,18 +16,15 @@ from sympy.codegen.cfunctions import expm1
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.realise.machine import LIBRARY
 from pipeclamp_models.realise.scalar import PRODUCTS
-from pipeclamp_models.realise.slopes import needed
 from pipeclamp_models.realise.stepping import Definition
 
-DOUBLE, INTEGER, BYTE = ir.DoubleType(), ir.IntType(64), ir.IntType(8)
-ADDRESS = ir.PointerType()
+DOUBLE = ir.DoubleType()
 INTRINSICS = frozenset({"sqrt", "fabs", "exp", "log", "pow", "sin", "cos"})
 """Functions that LLVM knows itself; others are the C library's."""
 COMPARISONS: Mapping[type[sp.Rel], str] = {
     sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">", sp.GreaterThan: ">=", sp.Equality: "==",
 }  # fmt: skip
 
-Key = TypeVar("Key")
 Slopes = Mapping[sp.Symbol, ir.Value]
 """Slopes of a value by some symbols; those that aren't there vanish."""
 
@@ -42,6 +36,7 @@ class Writer:
         builder: of the function.
         definitions: what symbols stand for whose values aren't known.
         by: symbols that are differentiated by.
+        outside: what was written before, outside of the loop that this one writes in.
     """
 
     def __init__(
@@ -50,13 +45,17 @@ class Writer:
         known: Mapping[sp.Symbol, ir.Value],
         definitions: Sequence[Definition] = (),
         by: Sequence[sp.Symbol] = (),
+        outside: Writer | None = None,
     ) -> None:
         self.builder = builder
         self.definitions = dict(definitions)
         self.by = frozenset(by)
-        self._values: dict[sp.Basic, ir.Value] = dict(known)
-        self._slopes: dict[sp.Basic, Slopes] = {symbol: {} for symbol in known}
-        self._slopes |= {symbol: {symbol: _number(1.0)} for symbol in self.by & set(known)}
+        self._values: dict[sp.Basic, ir.Value] = {**(outside._values if outside else {}), **known}
+        self._slopes: dict[sp.Basic, Slopes] = {
+            **(outside._slopes if outside else {}),
+            **{symbol: {} for symbol in known},
+        }
+        self._slopes |= {symbol: {symbol: number(1.0)} for symbol in self.by & set(known)}
 
     def value(self, expression: sp.Basic) -> ir.Value:
         """Write the value of an expression, or the truth of a comparison."""
@@ -80,9 +79,9 @@ class Writer:
             case sp.Symbol() if one in self.definitions:
                 return self.value(self.definitions[one])
             case sp.Symbol():
-                return _number(float(symbols.REFERENCES[one]))
+                return number(float(symbols.REFERENCES[one]))
             case sp.Number() | sp.NumberSymbol():
-                return _number(float(one))
+                return number(float(one))
             case sp.Add():
                 return reduce(builder.fadd, map(self.value, one.args))
             case sp.Mul():
@@ -93,7 +92,7 @@ class Writer:
                 return self._call("fabs", self.value(one.args[0]))
             case sp.sign():
                 argument = self.value(one.args[0])
-                above, below = (builder.fcmp_ordered(side, argument, _number(0.0)) for side in (">", "<"))
+                above, below = (builder.fcmp_ordered(side, argument, number(0.0)) for side in (">", "<"))
                 return builder.fsub(builder.uitofp(above, DOUBLE), builder.uitofp(below, DOUBLE))
             case sp.Max() | sp.Min():
                 return self._extremum(one)
@@ -134,7 +133,7 @@ class Writer:
         return self._times(lambda: self._factor(one), one.args[0])
 
     def _slope(self, symbol: sp.Symbol, expression: sp.Expr) -> ir.Value:
-        return self.slopes(expression).get(symbol, _number(0.0))
+        return self.slopes(expression).get(symbol, number(0.0))
 
     def _sum(self, several: Iterator[Slopes]) -> Slopes:
         total: dict[sp.Symbol, ir.Value] = {}
@@ -160,24 +159,24 @@ class Writer:
         builder, argument = self.builder, self.value(one.args[0])
         match one:
             case sp.Abs():
-                below = builder.fcmp_ordered("<", argument, _number(0.0))
-                return builder.select(below, _number(-1.0), _number(1.0))
+                below = builder.fcmp_ordered("<", argument, number(0.0))
+                return builder.select(below, number(-1.0), number(1.0))
             case sp.exp():
                 return self.value(one)
             case expm1():
                 return self._call("exp", argument)
             case sp.log():
-                return builder.fdiv(_number(1.0), argument)
+                return builder.fdiv(number(1.0), argument)
             case sp.sin():
                 return self._call("cos", argument)
             case sp.cos():
                 return builder.fneg(self._call("sin", argument))
             case sp.tan():
-                return builder.fadd(_number(1.0), self._square(self.value(one)))
+                return builder.fadd(number(1.0), self._square(self.value(one)))
             case sp.atan():
-                return builder.fdiv(_number(1.0), builder.fadd(_number(1.0), self._square(argument)))
+                return builder.fdiv(number(1.0), builder.fadd(number(1.0), self._square(argument)))
             case sp.tanh():
-                return builder.fsub(_number(1.0), self._square(self.value(one)))
+                return builder.fsub(number(1.0), self._square(self.value(one)))
         raise NotImplementedError(f"the slope of {one.func.__name__}")
 
     def _square(self, value: ir.Value) -> ir.Value:
@@ -186,7 +185,7 @@ class Writer:
     def _power(self, base: ir.Value, exponent: sp.Expr) -> ir.Value:
         builder = self.builder
         if exponent.is_Number and exponent < 0:
-            return builder.fdiv(_number(1.0), self._power(base, -exponent))
+            return builder.fdiv(number(1.0), self._power(base, -exponent))
         if exponent == sp.Rational(1, 2):
             return self._call("sqrt", base)
         if exponent == 1 or exponent in PRODUCTS:
@@ -204,7 +203,7 @@ class Writer:
             # x^e log x vanishes where x does
             whole = self.value(one)
             steep = builder.fmul(whole, self._call("log", self.value(base)))
-            return builder.select(builder.fcmp_ordered("==", whole, _number(0.0)), whole, steep)
+            return builder.select(builder.fcmp_ordered("==", whole, number(0.0)), whole, steep)
 
         return self._sum(iter((by_base, self._times(by_exponent, exponent))))
 
@@ -218,7 +217,7 @@ class Writer:
     def _of_extremum(self, one: sp.Max | sp.Min) -> Slopes:
         value, slopes = self.value(one.args[0]), self.slopes(one.args[0])
         for other in one.args[1:]:
-            stays, rivals, zero = self._stays(one, value, other), self.slopes(other), _number(0.0)
+            stays, rivals, zero = self._stays(one, value, other), self.slopes(other), number(0.0)
             slopes = {
                 symbol: self.builder.select(stays, slopes.get(symbol, zero), rivals.get(symbol, zero))
                 for symbol in {**slopes, **rivals}
@@ -233,7 +232,7 @@ class Writer:
 
     def _chosen(self, choice: sp.Piecewise, what: Callable[[sp.Expr], ir.Value]) -> ir.Value:
         """Write what belongs to the first branch whose condition holds."""
-        chosen = _number(float("nan"))
+        chosen = number(float("nan"))
         for expression, condition in reversed(choice.args):
             chosen = what(expression) if condition == sp.true else self.builder.select(
                 self.value(condition), what(expression), chosen
@@ -253,262 +252,10 @@ class Writer:
         return self.builder.call(function, arguments)
 
 
-def _number(value: float) -> ir.Constant:
+def number(value: float) -> ir.Constant:
+    """Write a number."""
     return ir.Constant(DOUBLE, value)
 
 
 def _ordered(some: set[sp.Symbol]) -> list[sp.Symbol]:
     return sorted(some, key=str)
-
-
-class MarchWriter:
-    """A function in the making that goes through all samples of all rows, and what it takes.
-
-    In machine code it is `function(rows, samples, columns, strides, start, results)`: `columns` are the addresses of
-    the arguments' first numbers, `strides` two for each, the bytes from row to row and from sample to sample; `start`
-    holds the states before the first sample, (J, R), and `results` takes what is written, (K, R, n), or (K, R).
-    """
-
-    def __init__(self, name: str, columns: int) -> None:
-        self.module = ir.Module(name)
-        takes = [INTEGER, INTEGER, *[ADDRESS] * 4]
-        self.function = ir.Function(self.module, ir.FunctionType(ir.VoidType(), takes), name)
-        self.rows, self.samples, places, strides, self.start, self.results = self.function.args
-        for one in (self.start, self.results):
-            one.add_attribute("noalias")
-        self.builder = ir.IRBuilder(self.function.append_basic_block())
-        self._columns = [
-            (self._at(places, ADDRESS, column), *(self._at(strides, INTEGER, 2 * column + way) for way in range(2)))
-            for column in range(columns)
-        ]
-
-    def _at(self, address: ir.Value, kind: ir.Type, place: int) -> ir.Value:
-        return self.builder.load(self.builder.gep(address, [ir.Constant(INTEGER, place)], source_etype=kind), typ=kind)
-
-    def arguments(self, names: Sequence[sp.Symbol], row: ir.Value, sample: ir.Value) -> dict[sp.Symbol, ir.Value]:
-        """Read the arguments at a sample, named in their order."""
-        builder, found = self.builder, []
-        for address, by_row, by_sample in self._columns:
-            away = builder.add(builder.mul(row, by_row), builder.mul(sample, by_sample))
-            found.append(builder.load(builder.gep(address, [away], source_etype=BYTE), typ=DOUBLE))
-        return dict(zip(names, found, strict=True))
-
-    def held(self, names: Sequence[Key]) -> dict[Key, ir.Value]:
-        """Give places for numbers that go along from sample to sample."""
-        return {name: self.builder.alloca(DOUBLE) for name in names}
-
-    def read(self, held: Mapping[Key, ir.Value]) -> dict[Key, ir.Value]:
-        """Read the numbers at such places."""
-        return {name: self.builder.load(address, typ=DOUBLE) for name, address in held.items()}
-
-    def begin(self, held: Mapping[sp.Symbol, ir.Value], row: ir.Value) -> None:
-        """Put the states before the first sample there."""
-        builder = self.builder
-        for state, address in enumerate(held.values()):
-            place = builder.add(builder.mul(ir.Constant(INTEGER, state), self.rows), row)
-            started = builder.load(builder.gep(self.start, [place], source_etype=DOUBLE), typ=DOUBLE)
-            builder.store(started, address)
-
-    def write(self, result: int, row: ir.Value, value: ir.Value, sample: ir.Value | None = None) -> None:
-        """Write a result of a row, at a sample where there is one of each."""
-        builder = self.builder
-        place = builder.add(builder.mul(ir.Constant(INTEGER, result), self.rows), row)
-        if sample is not None:
-            place = builder.add(builder.mul(place, self.samples), sample)
-        builder.store(value, builder.gep(self.results, [place], source_etype=DOUBLE))
-
-    @contextmanager
-    def through(self, count: ir.Value) -> Iterator[ir.Value]:
-        """Repeat what is written inside, for each number below a count."""
-        builder, before = self.builder, self.builder.block
-        head, body, end = (self.function.append_basic_block() for _ in range(3))
-        builder.branch(head)
-        builder.position_at_end(head)
-        index = builder.phi(INTEGER)
-        index.add_incoming(ir.Constant(INTEGER, 0), before)
-        builder.cbranch(builder.icmp_signed("<", index, count), body, end)
-        builder.position_at_end(body)
-        yield index
-        index.add_incoming(builder.add(index, ir.Constant(INTEGER, 1)), builder.block)
-        builder.branch(head)
-        builder.position_at_end(end)
-
-    def written(self) -> str:
-        """Give the whole module."""
-        self.builder.ret_void()
-        return str(self.module)
-
-
-def walk_source(
-    arguments: Sequence[sp.Symbol],
-    states: Sequence[sp.Symbol],
-    updates: Sequence[sp.Expr],
-    stages: Sequence[Definition],
-) -> str:
-    """Write a march that steps states, and gives those after each sample.
-
-    Args:
-        arguments: what the updates take besides the states.
-        states: those that are stepped.
-        updates: the states after a step.
-        stages: what is computed on the way.
-    """
-    march = MarchWriter("walk", len(arguments))
-    kept = march.held(states)
-    with march.through(march.rows) as row:
-        march.begin(kept, row)
-        with march.through(march.samples) as sample:
-            known = {**march.arguments(arguments, row, sample), **march.read(kept)}
-            writer = Writer(march.builder, known, stages)
-            for place, (state, update) in enumerate(zip(states, updates, strict=True)):
-                value = writer.value(update)
-                march.builder.store(value, kept[state])
-                march.write(place, row, value, sample)
-    return march.written()
-
-
-def turn_source(
-    arguments: Sequence[sp.Symbol],
-    states: Sequence[sp.Symbol],
-    updates: Sequence[sp.Expr],
-    stages: Sequence[Definition],
-) -> tuple[str, list[tuple[int, int]]]:
-    """Write a march that steps states and gives of each row those at its end, how large each became, and slopes.
-
-    The slopes are those of the states at the end by those at the beginning: the steps' slopes, multiplied on the way.
-    What is taken is as of `walk_source`; places of end and beginning of each slope that doesn't vanish come with it.
-    """
-    march = MarchWriter("turn", len(arguments))
-    builder, index = march.builder, _reached(states, updates, stages)
-    kept, largest, product = march.held(states), march.held(states), march.held(index)
-    with march.through(march.rows) as row:
-        march.begin(kept, row)
-        for address in largest.values():
-            builder.store(_number(0.0), address)
-        for (end, beginning), address in product.items():
-            builder.store(_number(float(end == beginning)), address)
-        with march.through(march.samples) as sample:
-            so_far = march.read(product)
-            known = {**march.arguments(arguments, row, sample), **march.read(kept)}
-            writer = Writer(builder, known, stages, states)
-            for state, update in zip(states, updates, strict=True):
-                value = writer.value(update)
-                builder.store(value, kept[state])
-                size, most = writer.size(value), builder.load(largest[state], typ=DOUBLE)
-                # what is no number stays none
-                builder.store(builder.select(builder.fcmp_ordered(">=", most, size), most, size), largest[state])
-            for end, beginning in index:
-                slopes = writer.slopes(updates[end])
-                terms = [
-                    builder.fmul(slopes[state], so_far[between, beginning])
-                    for between, state in enumerate(states)
-                    if state in slopes and (between, beginning) in so_far
-                ]
-                builder.store(reduce(builder.fadd, terms, _number(0.0)), product[end, beginning])
-        for result, address in enumerate([*kept.values(), *largest.values(), *product.values()]):
-            march.write(result, row, builder.load(address, typ=DOUBLE))
-    return march.written(), index
-
-
-def course_source(
-    arguments: Sequence[sp.Symbol],
-    states: Sequence[sp.Symbol],
-    updates: Sequence[sp.Expr],
-    stages: Sequence[Definition],
-    by: Sequence[sp.Symbol],
-) -> tuple[str, list[tuple[int, int]]]:
-    """Write a march that steps states and gives those after each sample, then their slopes there.
-
-    The slopes are by the states before the first sample, and by others of the arguments, which keep still: the steps'
-    slopes, gathered on the way. What is taken is as of `walk_source`; of each slope that doesn't vanish the places come
-    with it, of the state and of what it is differentiated by, among the states and, after them, the others.
-    """
-    march = MarchWriter("course", len(arguments))
-    builder = march.builder
-    index = [*_reached(states, updates, stages), *_reached_from(by, states, updates, stages)]
-    kept, gathered = march.held(states), march.held(index)
-    with march.through(march.rows) as row:
-        march.begin(kept, row)
-        for (state, source), address in gathered.items():
-            builder.store(_number(float(state == source)), address)
-        with march.through(march.samples) as sample:
-            so_far = march.read(gathered)
-            known = {**march.arguments(arguments, row, sample), **march.read(kept)}
-            writer = Writer(builder, known, stages, [*states, *by])
-            for place, (state, update) in enumerate(zip(states, updates, strict=True)):
-                value = writer.value(update)
-                builder.store(value, kept[state])
-                march.write(place, row, value, sample)
-            for result, (end, source) in enumerate(index, start=len(states)):
-                slopes = writer.slopes(updates[end])
-                terms = [
-                    builder.fmul(slopes[state], so_far[between, source])
-                    for between, state in enumerate(states)
-                    if state in slopes and (between, source) in so_far
-                ]
-                if source >= len(states) and by[source - len(states)] in slopes:
-                    terms.append(slopes[by[source - len(states)]])
-                slope = reduce(builder.fadd, terms, _number(0.0))
-                builder.store(slope, gathered[end, source])
-                march.write(result, row, slope, sample)
-    return march.written(), index
-
-
-def _reached(
-    states: Sequence[sp.Symbol], updates: Sequence[sp.Expr], stages: Sequence[Definition]
-) -> list[tuple[int, int]]:
-    """Give the pairs of states of which the first depends on the second, in however many steps, and each on itself."""
-    reached = np.eye(len(states), dtype=np.bool_)
-    for place, used in enumerate(_used(updates, stages)):
-        reached[place] |= [symbol in used for symbol in states]
-    for between in range(len(states)):
-        reached |= np.outer(reached[:, between], reached[between])
-    return [(int(end), int(beginning)) for end, beginning in np.argwhere(reached)]
-
-
-def _reached_from(
-    by: Sequence[sp.Symbol],
-    states: Sequence[sp.Symbol],
-    updates: Sequence[sp.Expr],
-    stages: Sequence[Definition],
-) -> list[tuple[int, int]]:
-    """Give the same of states that depend on other symbols, whose places are counted on after those of the states."""
-    used, through = _used(updates, stages), _reached(states, updates, stages)
-    pairs = {(end, place) for place, symbol in enumerate(by) for end, state in through if symbol in used[state]}
-    return sorted((end, len(states) + place) for end, place in pairs)
-
-
-def _used(updates: Sequence[sp.Expr], stages: Sequence[Definition]) -> list[set[sp.Basic]]:
-    """Give the symbols that each update depends on, by way of the stages too."""
-    return [
-        set().union(*(part.free_symbols for _, part in needed(stages, [update])), update.free_symbols)
-        for update in updates
-    ]
-
-
-def slopes_source(
-    arguments: Sequence[sp.Symbol],
-    by: Sequence[sp.Symbol],
-    expressions: Sequence[sp.Expr],
-    stages: Sequence[Definition],
-) -> tuple[str, list[tuple[int, int]]]:
-    """Write a march that gives the slopes of expressions, with the places of expression and symbol of each.
-
-    Args:
-        arguments: all that the expressions take.
-        by: symbols that are differentiated by.
-        expressions: what is differentiated.
-        stages: what is computed on the way.
-    """
-    march = MarchWriter("slopes", len(arguments))
-    index: list[tuple[int, int]] = []
-    with march.through(march.rows) as row, march.through(march.samples) as sample:
-        known = march.arguments(arguments, row, sample)
-        writer = Writer(march.builder, known, stages, by)
-        for place, expression in enumerate(expressions):
-            slopes = writer.slopes(expression)
-            for column, symbol in enumerate(by):
-                if symbol in slopes:
-                    march.write(len(index), row, slopes[symbol], sample)
-                    index.append((place, column))
-    return march.written(), index

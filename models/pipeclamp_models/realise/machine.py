@@ -27,7 +27,7 @@ def machine_function(name: str, source: str) -> Callable[..., None]:
 
     Args:
         name: of the function.
-        source: the module; the function takes what `llvm.MarchWriter` says.
+        source: the module; the function takes what `marches.MarchWriter` says.
     """
     described = f"{_target().triple} {_cpu()}"
     encoded = kept(

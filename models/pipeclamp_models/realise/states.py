@@ -59,7 +59,11 @@ class March:
     motion: Motion
 
     def states(self, *, derivatives: bool) -> States:
-        """Give the states along the motions, and their slopes where derivatives are wanted, of periodic ones alone."""
+        """Give the states along the motions, and their slopes where derivatives are wanted, of periodic ones alone.
+
+        Raises:
+            ValueError: conditions change along a periodic motion.
+        """
         rows = len(self.motion.y)
         none = np.zeros(rows, dtype=np.bool_)
         if not self.equations.states:
@@ -93,6 +97,8 @@ class March:
 
         Directions in which the map is the identity (an element that never slips) stay as that move left them.
         """
+        if any(column.shape[1] > 1 for column in self.coefficients):
+            raise ValueError("got conditions that change along a cycle; expected them to keep still")
         last = self._last()
         from_rest = last._taken(np.zeros((rest.shape[1], 1)))
         start = last._walk(rest, from_rest)[:, :, 0].copy()
@@ -144,8 +150,7 @@ class March:
         """Give the march to the last sample alone."""
         motion = self.motion
         y, v, a = motion.y[:, -1:], motion.v[:, -1:], motion.a[:, -1:]
-        coefficients = [column[:, -1:] for column in self.coefficients]
-        return replace(self, coefficients=coefficients, motion=replace(motion, y=y, v=v, a=a))
+        return replace(self, motion=replace(motion, y=y, v=v, a=a))
 
     def _of_rows(self, rows: IntArray) -> March:
         """Give the march along some of the rows."""
