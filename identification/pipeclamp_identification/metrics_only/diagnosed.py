@@ -6,9 +6,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
+
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest
-from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, untested_words
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, few_levels_words, untested_words
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
@@ -111,7 +113,20 @@ class MetricDiagnosed:
         """Say why, what it rests on, and what metrics can't show."""
         slow, timed = self.diagnosis.observations.motion.slow, self.campaign.time_measured
         untested = untested_words(slow, timed=timed)
-        return [*self.diagnosis.reasons, *untested, *self.cautions(), *_hidden_words(self.diagnosis)]
+        return [
+            *self.diagnosis.reasons, *untested, *self.cautions(), *_hidden_words(self.diagnosis), *self.few_levels()
+        ]  # fmt: skip
+
+    def few_levels(self) -> tuple[str, ...]:
+        """Say what a law that stays as it is does unasked between the levels of further conditions."""
+        if self.verdict not in ("complete", "unknown"):
+            return ()
+        result, columns = self.diagnosis.law.result, self.campaign.condition_columns
+        fitted = [result.equations.parameters[place] for place in result.places]
+        runs = self.campaign.runs
+        return few_levels_words(
+            fitted, {name: np.array([run.setup.conditions[name] for run in runs]) for name in columns}
+        )
 
     def rung(self) -> tuple[str, ...]:
         """Say what the effect that is named first takes."""

@@ -104,6 +104,22 @@ def test_a_condition_that_no_test_varies_is_told(named):
     assert [line in words for words in told] == [False, True]
 
 
+@pytest.mark.parametrize(("levels", "told"), [((0.0, 4.0), True), ((0.0, 1.0, 2.0, 3.0, 4.0), False)])
+def test_what_a_law_does_between_few_levels_is_said_to_be_untested(levels, told):
+    law, loops = Structure("power", ("condition:current_A",)), metrics(conditions=CROSS * 2)
+    runs = tuple(
+        replace(run, setup=replace(run.setup, conditions={"current_A": levels[row % len(levels)]}))
+        for row, run in enumerate(loops.runs)
+    )
+    tests = replace(loops, runs=runs, condition_columns=("current_A",))
+    with few_effects("viscous"):
+        diagnosis = diagnose_metrics(law, tests)
+    assert diagnosis.verdict in ("complete", "unknown"), "the law stays"
+    answer = MetricDiagnosed(diagnosis, tests, MetricComparison(tests, np.zeros((len(runs), 2)), {}), None)
+    words = [word for word in answer.words() if f"the tests have {len(levels)} levels of current_A" in word]
+    assert len(words) == told
+
+
 @pytest.mark.parametrize("name", ["asymmetry", "offset", "directional_damping"])
 def test_what_metrics_dont_show_is_hidden(quiet, name):
     assert "only a recorded loop" in look(quiet[0], quiet[1], name).hidden
