@@ -8,7 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.problem import Judged, Problem, are_one_memory
+from pipeclamp_identification.diagnosis.objections import are_one_memory
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.fitting.joint.points import sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.joint.starts import Linearised, kept
 from pipeclamp_identification.fitting.refinement import refined_starts

@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.problem import objections, reservations
+from pipeclamp_identification.diagnosis.objections import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE

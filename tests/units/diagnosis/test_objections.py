@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.bundled import campaign_folder
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.diagnosis.problem import objections, reservations, without_essence
+from pipeclamp_identification.diagnosis.objections import objections, reservations, without_essence
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.least_squares import unfitted

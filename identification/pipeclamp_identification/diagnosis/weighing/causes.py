@@ -9,7 +9,8 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct, ranked
 from pipeclamp_identification.diagnosis.foretold import explained_share, share_of_error
-from pipeclamp_identification.diagnosis.problem import Judged, without_essence
+from pipeclamp_identification.diagnosis.objections import without_essence
+from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.screen import fits
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
