@@ -115,6 +115,8 @@ def detached_branches(
     first: float,
     last: float,
     leaving: Sequence[Sequence[SteadyState]] = (),
+    *,
+    over_levels: bool = True,
 ) -> tuple[tuple[SteadyState, ...], ...]:
     """Seek branches that a frequency response isn't joined to in its range.
 
@@ -123,6 +125,7 @@ def detached_branches(
         known: the pieces of the response that are known, from whose states others are sought.
         first, last: ends of the range, Hz.
         leaving: further ones that are known, from which none is sought: that would take as long again.
+        over_levels: whether they are sought from those that are known; else only where none is, out of rest.
     """
     found: list[tuple[SteadyState, ...]] = []
     if not system.clamps:  # without laws all is linear
@@ -141,6 +144,8 @@ def detached_branches(
                 met += crossed
                 if not _is_known(system, branch, [*known, *leaving, *found]):
                     found.append(branch)
+            if not over_levels:
+                break
             unseen = _others(system, list(_joined(system, waiting.pop(), frequency)), met)
     return tuple(found)
 

@@ -22,6 +22,7 @@ from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.continuation import Equation, Evaluated, HarmonicRefinement
+from pipeclamp_system.steady.equivalent import LEAST_LOSS_FACTOR, loss_factor
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
     FEWEST_HARMONICS,
@@ -72,6 +73,7 @@ class DrivenPipe:
         loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
         observed = MM * np.vstack([self._shapes, probes])
         self._receptance = Receptance(self._stiffness, self._damping, loads, observed)
+        self._modal = Receptance(self._stiffness, self._damping, loads, np.eye(modes))
         self.told_harmonics = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
         self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
@@ -95,6 +97,11 @@ class DrivenPipe:
     def in_time(self) -> InTime:
         """The same pipe and clamps, to be marched in time."""
         return InTime(self._pipe, self._clamps, self._shapes)
+
+    @property
+    def length(self) -> float:
+        """The pipe's, m."""
+        return self._pipe.length
 
     @property
     def clamps(self) -> int:
@@ -258,7 +265,21 @@ class DrivenPipe:
             )
             return Evaluated(residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0]))
 
-        return Equation(equation, self._refinement)
+        return Equation(equation, self._refinement, self.unbounded)
+
+    def unbounded(self, unknowns: Array, frequency: float) -> bool:
+        """Tell whether nothing bounds a motion: a clamp moves farther than the pipe is long, where no pipe is straight
+        any more, and pipe and clamps take up less than steel does by itself."""
+        motion = self.unpacked(unknowns[None])
+        if np.abs(motion).sum(axis=2).max(initial=0.0) <= MM * self.length:
+            return False
+        forces = self.forces(motion, np.array([frequency]))
+        loads = np.concatenate([np.zeros((1, 1, forces.shape[2])), forces], axis=1)
+        loads[0, 0, 1] = -1j * self.excitation(frequency)
+        omega = 2 * pi * frequency
+        orders = np.arange(forces.shape[2], dtype=np.float64)[None]
+        modal = np.einsum("ijh,jh->ih", self._modal.at(omega * orders)[0], loads[0])
+        return loss_factor(modal, self._damping, motion[0] / MM, forces[0], omega) < LEAST_LOSS_FACTOR
 
     def over_level(self, frequency: float) -> Equation:
         """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
