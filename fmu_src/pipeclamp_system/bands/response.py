@@ -107,8 +107,8 @@ def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = F
         )
     if any(curve.followed.unbounded for curve in response.curves):
         raise UserError(
-            f"{path}: its response isn't bounded, for lack of damping, so that no band of it is known; expected [damping] "
-            "of the pipe, or a law with damping"
+            f"{path}: its response isn't bounded, for lack of damping, so that no band of it is known; expected "
+            "[damping] of the pipe, or a law with damping"
         )
     description = read_system(path)
     what = unknown_of(description, path.parent)

@@ -27,8 +27,15 @@ from pipeclamp_system.steady.equivalent import LEAST_LOSS_FACTOR
 from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range, in_a_row
 
-MORE_DAMPING = "give the pipe the damping that it has ([damping] in its file), or its clamps a law with damping"
-"""Said where a response isn't bounded."""
+LACK_OF_DAMPING = (
+    "where it isn't bounded, a curve ends as a clamp moves farther than the pipe is long, while pipe and clamps take "
+    f"up less than steel does by itself (loss factor {LEAST_LOSS_FACTOR:g}); branches apart aren't sought then. Give "
+    "the pipe the damping that it has ([damping] in its file), or its clamps a law with damping"
+)
+"""Said of a response that nothing bounds."""
+
+CLOSE_ENDS_SHARE = 1e-3
+"""Share of the frequency by which two curves end apart that nothing bounds, and end at one resonance."""
 
 RUN_IT = "; run sines there in time by `pipeclamp cosim`"
 """Said where steady states are missing."""
@@ -140,6 +147,7 @@ class FrequencyResponse:
                 for piece in of_kind
             )
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
+        lines += [LACK_OF_DAMPING] if any(curve.followed.unbounded for curve in self.curves) else []
         lines += self._about_harmonics()
         lines += self.about_ranges()
         lines += self._about_dots() if self.dots else []
@@ -262,7 +270,7 @@ def _about_missing(followed: FollowedResponse) -> str:
     if followed.whole:
         return ""
     if followed.unbounded:
-        return f"; {about_unbounded(followed)}; {MORE_DAMPING}"
+        return f"; {about_unbounded(followed)}"
     found, unsteady = [state for way in followed.in_time for state in way], followed.unsteady
     if not found and not unsteady:
         return f"; {followed.reach()}{RUN_IT}"
@@ -283,13 +291,11 @@ def _about_missing(followed: FollowedResponse) -> str:
 
 
 def about_unbounded(followed: FollowedResponse) -> str:
-    """Say where nothing bounds a response."""
-    about = " and ".join(dict.fromkeys(f"{frequency:.3g} Hz" for frequency in followed.unbounded))
-    return (
-        f"it isn't bounded about {about}, for lack of damping: it is followed until a clamp moves farther than the "
-        "pipe is long, while pipe and clamps take up less than steel does by itself (loss factor "
-        f"{LEAST_LOSS_FACTOR:g}); further branches aren't sought there"
-    )
+    """Say where nothing bounds a response; curves that end there from both sides are no farther apart than rounding."""
+    apart: list[float] = []
+    for frequency in followed.unbounded:
+        apart += [] if apart and frequency <= (1 + CLOSE_ENDS_SHARE) * apart[-1] else [frequency]
+    return f"not bounded about {' and '.join(f'{frequency:.4g} Hz' for frequency in apart)}, for lack of damping"
 
 
 def _about_detached(branch: Sequence[SteadyState]) -> str:

@@ -82,7 +82,7 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
         followed = steady.followed(table.from_Hz, table.to_Hz)
         states, pieces = list(followed.states), followed.pieces
         if followed.unbounded:
-            raise UserError(f"the response has no peak: {about_unbounded(followed)}")
+            raise UserError(f"the response has no peak: it is {about_unbounded(followed)}")
         if states and not followed.complete:
             raise UserError(f"the response was {followed.reach()}; its peak isn't known: try other ends of [response]")
     else:

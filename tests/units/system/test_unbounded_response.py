@@ -60,8 +60,9 @@ def test_a_response_without_damping_ends_at_the_pipe_s_length(
     assert not found.followed.in_time
     assert not found.detached
     said = told(found).summary()
-    assert "it isn't bounded about 8." in said
-    assert "for lack of damping" in said
+    assert "; not bounded about 8.5" in said
+    assert "Hz, for lack of damping\n" in said
+    assert "a curve ends as a clamp moves farther than the pipe is long" in said
     assert "(where it isn't bounded)" in said
     if not c0:
         assert "unstable from" not in said
