@@ -17,7 +17,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
-from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow
+from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow, solve
 from pipeclamp_system.steady.harmonics import TRUNCATED, packed
 from pipeclamp_system.steady.start import grown, with_sides
 from pipeclamp_system.steady.states import SteadyState
@@ -182,12 +182,20 @@ def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array])
 
 def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator[Array]:
     """Give the states of a frequency (Hz) to which a higher or a lower level leads from one of them."""
-    size = float(system.sizes(unknowns[None])[0])
+    size, over_level = float(system.sizes(unknowns[None])[0]), system.over_level(frequency, system.coarsely)
+    start = system.in_so_many(unknowns, min(unknowns.size, system.clamps * (2 * system.coarsely + 1)))
     for end in (HIGHEST_LEVEL, 0.0):
-        *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, PATH_STEPS)
-        back = with_sides(system, there.unknowns, frequency) if there.parameter == 1.0 else None
+        *_, there = follow(over_level, Solution(1.0, start), end, size, PATH_STEPS)
+        back = _solved_again(system, there.unknowns, frequency) if there.parameter == 1.0 else None
         if back is not None and not _same(system, back, unknowns):
             yield back
+
+
+def _solved_again(system: SteadySystem, unknowns: Array, frequency: float) -> Array | None:
+    """Give the motion at a frequency (Hz) to which a path over the excitation's level led; None where it isn't found."""
+    if system.rubbing or system.coarsely == system.most_harmonics:
+        return with_sides(system, unknowns, frequency)
+    return solve(system.over_frequency(), unknowns, frequency, float(system.sizes(unknowns[None])[0]))
 
 
 def _followed(system: SteadySystem, start: Solution, first: float, last: float) -> tuple[SteadyState, ...]:

@@ -38,6 +38,10 @@ from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.stepping import CELLS, FLAT, ForceStep, Friction, Rubbed, step_of
 from pipeclamp_system.steady.tangents import NUDGE, linearised
 
+STICKING = 3
+"""Times the fewest harmonics, in which a path of clamps that rub is followed that only leads somewhere: with fewer, what
+is balanced moves as far as a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
+
 
 class DrivenPipe:
     """A reduced pipe with its clamps' laws under a sine.
@@ -86,6 +90,13 @@ class DrivenPipe:
         # Of several clamps most of a cycle can be stuck: that takes minutes.
         step = step_of(self._clamps[0]) if self.clamps == 1 else None
         return [(replace(clamp, samples=CELLS), step) for clamp in self._clamps] if step else []
+
+    @cached_property
+    def coarsely(self) -> int:
+        """H of a path that only leads somewhere, where the motion is solved again. Of clamps whose force steps with the
+        velocity more count only for where it steps, which over the excitation's level isn't told."""
+        stepping = not self.stated_harmonics and any(step_of(clamp) for clamp in self._clamps)
+        return min(STICKING * self.harmonics, self.most_harmonics) if stepping else self.most_harmonics
 
     @property
     def holds_places(self) -> bool:
@@ -281,8 +292,12 @@ class DrivenPipe:
         modal = np.einsum("ijh,jh->ih", self._modal.at(omega * orders)[0], loads[0])
         return loss_factor(modal, self._damping, motion[0] / MM, forces[0], omega) < LEAST_LOSS_FACTOR
 
-    def over_level(self, frequency: float) -> Equation:
-        """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
+    def over_level(self, frequency: float, most: int | None = None) -> Equation:
+        """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level.
+
+        A motion has as many harmonics as it asks for, no more than `most` unless that is None.
+        """
+        largest = self.clamps * (2 * (self.most_harmonics if most is None else most) + 1)
         at, drive = np.array([frequency]), np.array([self.excitation(frequency)])
 
         def equation(unknowns: Array, level: float) -> Evaluated:
@@ -293,7 +308,7 @@ class DrivenPipe:
             return Evaluated(residual, by_unknowns, -packed(pushed)[0])
 
         def asked(unknowns: Array, level: float) -> int:
-            return self._asked(unknowns, frequency, level)
+            return min(largest, self._asked(unknowns, frequency, level))
 
         return Equation(equation, self._refinement and HarmonicRefinement(asked, self.in_so_many))
 
