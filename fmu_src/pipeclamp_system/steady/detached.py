@@ -192,7 +192,7 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
 
 
 def _solved_again(system: SteadySystem, unknowns: Array, frequency: float) -> Array | None:
-    """Give the motion at a frequency (Hz) to which a path over the excitation's level led; None where it isn't found."""
+    """Give the motion at a frequency (Hz) to which a path over levels led; None where it isn't found."""
     if system.rubbing or system.coarsely == system.most_harmonics:
         return with_sides(system, unknowns, frequency)
     return solve(system.over_frequency(), unknowns, frequency, float(system.sizes(unknowns[None])[0]))

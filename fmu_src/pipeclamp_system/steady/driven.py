@@ -39,8 +39,8 @@ from pipeclamp_system.steady.stepping import CELLS, FLAT, ForceStep, Friction, R
 from pipeclamp_system.steady.tangents import NUDGE, linearised
 
 STICKING = 3
-"""Times the fewest harmonics, in which a path of clamps that rub is followed that only leads somewhere: with fewer, what
-is balanced moves as far as a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
+"""Times the fewest harmonics, in which a path of clamps that rub is followed that only leads somewhere: with fewer,
+what is balanced moves as far as a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
 
 
 class DrivenPipe:
