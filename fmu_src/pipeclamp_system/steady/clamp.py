@@ -125,7 +125,8 @@ class SteadyClamp:
         cycle = self.cycle(motion, frequency)
         equations = self.law.structure.equations_without_rig
         values = self.law.vector(equations)
-        force = force_of_equations(equations, values, (self.law.v_r, self.law.y_r), cycle).force
+        smoothing = (self.law.v_r, self.law.y_r)
+        force = force_of_equations(equations, values, smoothing, cycle, memory_told=False).force
         return harmonics_of(force, motion.shape[1])
 
 

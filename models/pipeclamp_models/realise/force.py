@@ -110,6 +110,7 @@ def force_of_equations(
     motion: Motion,
     *,
     derivatives: bool = False,
+    memory_told: bool = True,
 ) -> LawForce:
     """Give the force on motions. States start at rest; on periodic motions they are brought to their periodic values.
 
@@ -122,6 +123,8 @@ def force_of_equations(
         smoothing: v_r (mm/s) and y_r (mm).
         motion: the motions, R rows of n samples.
         derivatives: whether the Jacobian is wanted.
+        memory_told: whether it is to be told what periodic motions keep of their beginning; else, and without the
+            Jacobian, no row is called adrift, and there are no `steps`.
 
     Raises:
         UserError: a condition that the law depends on isn't stated.
@@ -140,7 +143,7 @@ def force_of_equations(
         columns = [_column(value, rows) for value in coefficients]
         slope_columns = {index: _column(value, rows) for index, value in coefficient_slopes.items()}
         march = March(compiled, equations, columns, slope_columns, values, smoothing, motion)
-        states = march.states(derivatives=derivatives)
+        states = march.states(derivatives=derivatives, memory_told=memory_told)
         fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.moved_in]
         arguments = [*fast, *states.after, *coefficients, *values, *smoothing]
         shape = (rows, samples)

@@ -88,8 +88,9 @@ class March:
                 slopes[entry].append((self.moving.index(parameter), slope))
         return slopes
 
-    def states(self, *, derivatives: bool) -> States:
-        """Give the states along the motions, and their slopes where derivatives are wanted."""
+    def states(self, *, derivatives: bool, memory_told: bool = True) -> States:
+        """Give the states along the motions, their slopes where derivatives are wanted, and of periodic motions what
+        their steps keep of a beginning where that is to be told."""
         count = len(self.equations.states)
         rows, samples = self.motion.y.shape
         parameters = len(self.moving) if derivatives else 0
@@ -98,7 +99,7 @@ class March:
             return States([], np.zeros((0, parameters, rows, samples)), None, none, none)
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
         if self.motion.periodic:
-            return self._periodic(rest, derivatives=derivatives)
+            return self._periodic(rest, derivatives=derivatives, memory_told=memory_told or derivatives)
         if self.motion.memory is not None:
             rest = np.array(self.motion.memory)
         if self.motion.ways:
@@ -129,7 +130,7 @@ class March:
         none = np.zeros(rows, dtype=np.bool_)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none)
 
-    def _periodic(self, rest: Array, *, derivatives: bool) -> States:
+    def _periodic(self, rest: Array, *, derivatives: bool, memory_told: bool) -> States:
         """Bring the states' map over one cycle to its fixed point by Newton's method, after a first move from rest.
 
         Directions in which the map is the identity (an element that never slips) stay as that move left them.
@@ -147,6 +148,9 @@ class March:
         if unsettled.any():
             unsettled = self._settle(start, scale, columns, unsettled, most=SETTLING_CYCLES)
             trajectory = self._walk(start, columns)
+        if not memory_told:
+            none = np.zeros(rows, dtype=np.bool_)
+            return States(list(trajectory), np.zeros((count, 0, rows, samples)), None, none, unsettled)
         by_step = self._slopes(start, trajectory, columns)
         by_states = self._by_states(by_step, samples)
         to_begin = _back(composed(np.moveaxis(by_states, 1, 0)))
