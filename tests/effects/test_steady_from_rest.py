@@ -13,6 +13,7 @@ from test_effect_contract import FURTHER, SMOOTHING, STRUCTURES, name_of, sound_
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp, samples_of_law
@@ -41,3 +42,10 @@ def test_a_steady_motion_is_balanced_where_a_response_begins(structure: Structur
     H = (unknowns.size - 1) // 2
     off = system.residuals(unknowns[None], two, np.array([ACCELERATION]), system.responses(two, H))
     assert np.abs(off).max() < 1e-5 * np.abs(unknowns).max()
+    equations, cycle = structure.equations_without_rig, clamp.cycle(system.unpacked(unknowns[None])[:, 0], two)
+    alone, whole = (
+        force_of_equations(equations, law.vector(equations), SMOOTHING, cycle, memory_told=told)
+        for told in (False, True)
+    )
+    assert np.array_equal(alone.force, whole.force)
+    assert [alone.steps is None, whole.steps is None] == [True, False]
