@@ -15,6 +15,7 @@ from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.steady import detached
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
@@ -90,3 +91,40 @@ def test_what_a_path_left_out_is_found(tmp_path: Path, write_law: Callable[..., 
     assert max(state.frequency for state in branch) == pytest.approx(LAST)
     largest = [max(half_range(state.clamps)[0] for state in states) for states in (branch, whole)]
     assert largest[0] == pytest.approx(largest[1], rel=0.01)
+
+
+def rubbing_system(folder: Path, write_law: Callable[..., None], acceleration: float, **values: float) -> SteadySystem:
+    write_law(folder / "rubs.json", {"c0": 0.008, "alpha0": 1.0, **values}, effects=("coulomb",))
+    clamp = SteadyClamp(law_of(read_law(folder / "rubs.json")), 293.15, None, None, (0.05, 3.0), (1.0, 60.0))
+    pipe = reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200)))
+    return SteadySystem(pipe, [(0, clamp)], lambda frequency: acceleration)
+
+
+def test_beyond_a_clamp_that_sticks_nothing_is_sought_in_many_harmonics(
+    tmp_path: Path, write_law: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 1.7 times the level it lets go: 64 harmonics had been followed there, 85 s on a curve of 1 s."""
+    system = rubbing_system(tmp_path, write_law, 3.0, k10=20.0, F_c=60.0)
+    known = system.followed(8.0, 9.0).pieces
+    monkeypatch.setattr(detached, "FREQUENCIES_SOUGHT", 2)
+    sizes, linearised = [], system.linearised
+
+    def counted(unknowns, *others, **more):
+        sizes.append(unknowns.size)
+        return linearised(unknowns, *others, **more)
+
+    monkeypatch.setattr(system, "linearised", counted)
+    assert detached_branches(system, known, 8.0, 9.0) == ()
+    assert max(sizes) <= 2 * system.coarsely + 1 < 2 * system.most_harmonics + 1
+
+
+def test_a_branch_beyond_a_clamp_that_sticks_is_found(
+    tmp_path: Path, write_law: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Small motions stick for most of a cycle; a large one, once there, is hardly held."""
+    system = rubbing_system(tmp_path, write_law, ACCELERATION, k10=4.0, k30=4.0, c_A=-2.0, F_c=0.1)
+    known = system.followed(5.65, 5.75).pieces
+    monkeypatch.setattr(detached, "FREQUENCIES_SOUGHT", 3)
+    found = detached_branches(system, known, 5.65, 5.75)
+    largest = [max(half_range(state.clamps)[0] for one in some for state in one) for some in (known, found)]
+    assert largest[1] > 10 * largest[0]

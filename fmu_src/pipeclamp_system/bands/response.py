@@ -96,7 +96,7 @@ def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = F
         by_clamp: whether what a law's form may be off stands there for each of its clamps by itself.
 
     Raises:
-        UserError: the system can't be read, or a motion of it was found in time.
+        UserError: the system can't be read, or a motion of it was found in time or isn't bounded.
     """
     in_time = [state.frequency for curve in response.curves for way in curve.followed.in_time for state in way]
     if in_time:
@@ -104,6 +104,11 @@ def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = F
             f"{path}: from {min(in_time):.4g} to {max(in_time):.4g} Hz a motion was found in time, and bands follow "
             "from motions that are balanced; expected other ends of [response], or harmonics stated there, with which "
             "more can be balanced"
+        )
+    if any(curve.followed.unbounded for curve in response.curves):
+        raise UserError(
+            f"{path}: its response isn't bounded, for lack of damping, so that no band of it is known; expected "
+            "[damping] of the pipe, or a law with damping"
         )
     description = read_system(path)
     what = unknown_of(description, path.parent)

@@ -10,8 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeclamp_models.law.file import Interval
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model, condition_parameter
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import Interval, LawFile, law_of
 from pipeclamp_models.law.range import conditions_inside
+from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.description.system import ClampSource, SystemDescription
@@ -35,6 +38,27 @@ class LawConditions(NamedTuple):
 def given_conditions(clamp: ClampSource, system: SystemDescription) -> LawConditions:
     """Give what a clamp's law is taken for, or starts from."""
     return LawConditions(clamp.amplitude_mm or 0.0, clamp.frequency_Hz or system.excitation.frequency_Hz or 0.0)
+
+
+def further_conditions(file: LawFile, source: ClampSource, where: str) -> dict[str, float]:
+    """Give the conditions beyond A, f and T that a clamp's law follows, by the names that its equations give them.
+
+    Raises:
+        UserError: the clamp is given a condition that its law doesn't follow; the message begins with `where`.
+    """
+    model = clamp_model(file)
+    further = {entry.name: entry.scale * entry.start for entry in model.further}
+    scales = {entry.name: entry.scale for entry in model.further}
+    for column, value in source.conditions.items():
+        name, setting = condition_parameter(column, value)
+        if name not in further:
+            raise UserError(
+                f"{where}: clamp {source.at!r}: conditions: {column}: law {source.law} doesn't follow it; leave it out "
+                "or take a law with an effect that does"
+            )
+        further[name] = scales[name] * setting
+    named = conditions_of(law_of(file).structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
+    return dict(zip(named, further.values(), strict=True))
 
 
 def motion_conditions(result: CosimResult, name: str) -> LawConditions:

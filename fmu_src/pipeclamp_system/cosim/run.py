@@ -18,6 +18,7 @@ from pipeclamp_system.cosim.interrupts import held_back
 from pipeclamp_system.cosim.law_conditions import SOLVED, Solving
 from pipeclamp_system.cosim.recording import CLAMP_UNITS, Recording, pipe_watched, recorded_result
 from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.static_stability import about_rest
 from pipeclamp_system.cosim.step_error import order_of, step_error
 from pipeclamp_system.cosim.variables import PipeVariables, clamp_parameters, pipe_variables
 from pipeclamp_system.coupling.broyden import SolverTolerance
@@ -71,6 +72,24 @@ def run_described(
     Raises:
         UserError: as `run_system`.
     """
+    leaves_rest = about_rest(description, folder, where)
+    try:
+        result = _ran(description, folder, where, progress, checked=checked, build=build)
+    except DivergedError as error:
+        raise (UserError(f"{where}: {leaves_rest}") if leaves_rest else error) from error
+    return replace(result, warnings=(leaves_rest, *result.warnings)) if leaves_rest else result
+
+
+def _ran(
+    description: SystemDescription,
+    folder: Path,
+    where: str,
+    progress: ShareDone | None,
+    *,
+    checked: bool,
+    build: Builders,
+) -> CosimResult:
+    """Co-simulate as `run_described`, and check the result by a run in another step."""
     tell, tell_check = _shared(progress, 1 - CHECK_SHARE if checked else 1.0)
     with finished(description, folder, build) as ready:
         result, ready = _solved(ready, folder, where, tell)

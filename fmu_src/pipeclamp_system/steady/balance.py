@@ -71,7 +71,7 @@ class SteadySystem(DrivenPipe):
     def followed(self, first: float, last: float) -> FollowedResponse:
         """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached.
 
-        What lies between what was followed is marched in time, frequency by frequency.
+        What lies between what was followed is marched in time, frequency by frequency, unless nothing bounds it.
         """
         if self.holds_places:
             return self._in_time((), first, last)
@@ -81,6 +81,9 @@ class SteadySystem(DrivenPipe):
         upper = tuple(reversed(self.curve(last, first)))
         if upper and upper[0].frequency == first:
             return FollowedResponse((upper,), whole=True)
+        followed = FollowedResponse(tuple(piece for piece in (lower, upper) if piece), whole=False)
+        if followed.unbounded:
+            return followed
         lower, upper = self._sound(lower), self._sound(upper[::-1])[::-1]
         given_up = max((state.frequency for state in lower), default=first)
         from_above = min((state.frequency for state in upper), default=last)
@@ -238,4 +241,5 @@ class SteadySystem(DrivenPipe):
             truncated=truncated(self, unknowns, at, drive, forces) if count else 0.0,
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
             side=side,
+            unbounded=self.unbounded(unknowns, frequency),
         )

@@ -39,10 +39,12 @@ class Equation:
     Attributes:
         evaluate: what is to vanish, and its derivatives, at unknowns and a parameter.
         refinement: where the number of unknowns follows the solution; else it stays.
+        unbounded: tells of a solution that what lies beyond it on a path is of no use: the path ends there.
     """
 
     evaluate: Callable[[Array, float], Evaluated]
     refinement: HarmonicRefinement | None = None
+    unbounded: Callable[[Array, float], bool] | None = None
 
     def __call__(self, unknowns: Array, parameter: float) -> Evaluated:
         """Evaluate it."""
@@ -215,7 +217,8 @@ def follow(
         size: of the unknowns; grows with the largest that the path meets.
 
     Yields:
-        the start and then points of the path. The last one lies on an end of the range, unless the path was given up.
+        the start and then points of the path. The last one lies on an end of the range or is unbounded, unless the path
+        was given up.
     """
     steps = steps or Steps()
     span = end - start.parameter
@@ -259,6 +262,8 @@ def follow(
                 yield Solution(edge, at_edge, last.side)
             return
         yield point
+        if equation.unbounded and equation.unbounded(point.unknowns, point.parameter):
+            return
         asked, finer = equation.asked(point.unknowns, point.parameter), None
         if asked < point.unknowns.size:  # from here on fewer will do, or else the path goes on from as many
             finer = point, ahead

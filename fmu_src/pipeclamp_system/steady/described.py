@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeclamp_fmu.contents.clamp_of_law import clamp_model, condition_parameter
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.base.units import CELSIUS
@@ -13,8 +12,8 @@ from pipeclamp_models.equations.symbols import condition_symbol
 from pipeclamp_models.law.file import Interval, LawFile, law_of
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
-from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.cosim.building import law_in
+from pipeclamp_system.cosim.law_conditions import further_conditions
 from pipeclamp_system.description.excitation import require_kind, sine_amplitude
 from pipeclamp_system.description.system import ClampSource, ResponseTable, SystemDescription, read_system
 from pipeclamp_system.steady.balance import SteadySystem
@@ -85,19 +84,7 @@ def steady_clamp(
     file = law_in(folder, source.law)
     given = source.mode == "given"
     law = law_of(file)
-    model = clamp_model(file)
-    further = {entry.name: entry.scale * entry.start for entry in model.further}
-    scales = {entry.name: entry.scale for entry in model.further}
-    for column, value in source.conditions.items():
-        name, setting = condition_parameter(column, value)
-        if name not in further:
-            raise UserError(
-                f"{where}: clamp {source.at!r}: conditions: {column}: law {source.law} doesn't follow it; leave it out "
-                "or take a law with an effect that does"
-            )
-        further[name] = scales[name] * setting
-    named = conditions_of(law.structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
-    followed = dict(zip(named, further.values(), strict=True))
+    followed = further_conditions(file, source, where)
     kelvin = (source.temperature_C if temperature is None else temperature) + CELSIUS
     largest, fastest = (file.range[name].maximum for name in ("A", "f"))
     needed = samples_of_law(law, {"T": kelvin, **followed}, largest, fastest, samples)
@@ -113,7 +100,7 @@ def steady_clamp(
         ranges={
             name: (interval.minimum, interval.maximum)
             for name, interval in ranges_of(file).items()
-            if name in ("T", *named)
+            if name in ("T", *followed)
         },
         jumps=needed > samples,
     )

@@ -17,7 +17,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
-from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow
+from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow, solve
 from pipeclamp_system.steady.harmonics import TRUNCATED, packed
 from pipeclamp_system.steady.start import grown, with_sides
 from pipeclamp_system.steady.states import SteadyState
@@ -115,6 +115,8 @@ def detached_branches(
     first: float,
     last: float,
     leaving: Sequence[Sequence[SteadyState]] = (),
+    *,
+    over_levels: bool = True,
 ) -> tuple[tuple[SteadyState, ...], ...]:
     """Seek branches that a frequency response isn't joined to in its range.
 
@@ -123,6 +125,7 @@ def detached_branches(
         known: the pieces of the response that are known, from whose states others are sought.
         first, last: ends of the range, Hz.
         leaving: further ones that are known, from which none is sought: that would take as long again.
+        over_levels: whether they are sought from those that are known; else only where none is, out of rest.
     """
     found: list[tuple[SteadyState, ...]] = []
     if not system.clamps:  # without laws all is linear
@@ -141,6 +144,8 @@ def detached_branches(
                 met += crossed
                 if not _is_known(system, branch, [*known, *leaving, *found]):
                     found.append(branch)
+            if not over_levels:
+                break
             unseen = _others(system, list(_joined(system, waiting.pop(), frequency)), met)
     return tuple(found)
 
@@ -177,12 +182,20 @@ def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array])
 
 def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator[Array]:
     """Give the states of a frequency (Hz) to which a higher or a lower level leads from one of them."""
-    size = float(system.sizes(unknowns[None])[0])
+    size, over_level = float(system.sizes(unknowns[None])[0]), system.over_level(frequency, system.coarsely)
+    start = system.in_so_many(unknowns, min(unknowns.size, system.clamps * (2 * system.coarsely + 1)))
     for end in (HIGHEST_LEVEL, 0.0):
-        *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, PATH_STEPS)
-        back = with_sides(system, there.unknowns, frequency) if there.parameter == 1.0 else None
+        *_, there = follow(over_level, Solution(1.0, start), end, size, PATH_STEPS)
+        back = _solved_again(system, there.unknowns, frequency) if there.parameter == 1.0 else None
         if back is not None and not _same(system, back, unknowns):
             yield back
+
+
+def _solved_again(system: SteadySystem, unknowns: Array, frequency: float) -> Array | None:
+    """Give the motion at a frequency (Hz) to which a path over levels led; None where it isn't found."""
+    if system.rubbing or system.coarsely == system.most_harmonics:
+        return with_sides(system, unknowns, frequency)
+    return solve(system.over_frequency(), unknowns, frequency, float(system.sizes(unknowns[None])[0]))
 
 
 def _followed(system: SteadySystem, start: Solution, first: float, last: float) -> tuple[SteadyState, ...]:

@@ -22,6 +22,7 @@ from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.continuation import Equation, Evaluated, HarmonicRefinement
+from pipeclamp_system.steady.equivalent import LEAST_LOSS_FACTOR, loss_factor
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
     FEWEST_HARMONICS,
@@ -36,6 +37,10 @@ from pipeclamp_system.steady.in_time import InTime
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.stepping import CELLS, FLAT, ForceStep, Friction, Rubbed, step_of
 from pipeclamp_system.steady.tangents import NUDGE, linearised
+
+STICKING = 3
+"""Times the fewest harmonics, in which a path of clamps that rub is followed that only leads somewhere: with fewer,
+what is balanced moves as far as a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
 
 
 class DrivenPipe:
@@ -72,6 +77,7 @@ class DrivenPipe:
         loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
         observed = MM * np.vstack([self._shapes, probes])
         self._receptance = Receptance(self._stiffness, self._damping, loads, observed)
+        self._modal = Receptance(self._stiffness, self._damping, loads, np.eye(modes))
         self.told_harmonics = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
         self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
@@ -85,6 +91,13 @@ class DrivenPipe:
         step = step_of(self._clamps[0]) if self.clamps == 1 else None
         return [(replace(clamp, samples=CELLS), step) for clamp in self._clamps] if step else []
 
+    @cached_property
+    def coarsely(self) -> int:
+        """H of a path that only leads somewhere, where the motion is solved again. Of clamps whose force steps with the
+        velocity more count only for where it steps, which over the excitation's level isn't told."""
+        stepping = not self.stated_harmonics and any(step_of(clamp) for clamp in self._clamps)
+        return min(STICKING * self.harmonics, self.most_harmonics) if stepping else self.most_harmonics
+
     @property
     def holds_places(self) -> bool:
         """Whether dry friction lies behind a clearance: it holds the clamp at any of many places, between which the
@@ -95,6 +108,11 @@ class DrivenPipe:
     def in_time(self) -> InTime:
         """The same pipe and clamps, to be marched in time."""
         return InTime(self._pipe, self._clamps, self._shapes)
+
+    @property
+    def length(self) -> float:
+        """The pipe's, m."""
+        return self._pipe.length
 
     @property
     def clamps(self) -> int:
@@ -258,10 +276,28 @@ class DrivenPipe:
             )
             return Evaluated(residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0]))
 
-        return Equation(equation, self._refinement)
+        return Equation(equation, self._refinement, self.unbounded)
 
-    def over_level(self, frequency: float) -> Equation:
-        """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
+    def unbounded(self, unknowns: Array, frequency: float) -> bool:
+        """Tell whether nothing bounds a motion: a clamp moves farther than the pipe is long, where no pipe is straight
+        any more, and pipe and clamps take up less than steel does by itself."""
+        motion = self.unpacked(unknowns[None])
+        if np.abs(motion).sum(axis=2).max(initial=0.0) <= MM * self.length:
+            return False
+        forces = self.forces(motion, np.array([frequency]))
+        loads = np.concatenate([np.zeros((1, 1, forces.shape[2])), forces], axis=1)
+        loads[0, 0, 1] = -1j * self.excitation(frequency)
+        omega = 2 * pi * frequency
+        orders = np.arange(forces.shape[2], dtype=np.float64)[None]
+        modal = np.einsum("ijh,jh->ih", self._modal.at(omega * orders)[0], loads[0])
+        return loss_factor(modal, self._damping, motion[0] / MM, forces[0], omega) < LEAST_LOSS_FACTOR
+
+    def over_level(self, frequency: float, most: int | None = None) -> Equation:
+        """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level.
+
+        A motion has as many harmonics as it asks for, no more than `most` unless that is None.
+        """
+        largest = self.clamps * (2 * (self.most_harmonics if most is None else most) + 1)
         at, drive = np.array([frequency]), np.array([self.excitation(frequency)])
 
         def equation(unknowns: Array, level: float) -> Evaluated:
@@ -272,7 +308,7 @@ class DrivenPipe:
             return Evaluated(residual, by_unknowns, -packed(pushed)[0])
 
         def asked(unknowns: Array, level: float) -> int:
-            return self._asked(unknowns, frequency, level)
+            return min(largest, self._asked(unknowns, frequency, level))
 
         return Equation(equation, self._refinement and HarmonicRefinement(asked, self.in_so_many))
 

@@ -47,12 +47,14 @@ class Balanced:
         slopes: derivatives of the residual near there, (P, m, m).
         found: whether the motion is balanced, (P,).
         responses: of the pipe at the sines, as of `DrivenPipe`.
+        forces: harmonics of the clamps' forces on their motion, N, (P, clamps, H + 1).
     """
 
     unknowns: Array
     slopes: Array
     found: BoolArray
     responses: ComplexArray
+    forces: ComplexArray
 
 
 def balance(system: DrivenPipe, operation: Operation, guess: Array, slopes: Array | None = None) -> Balanced:
@@ -89,7 +91,8 @@ def balance(system: DrivenPipe, operation: Operation, guess: Array, slopes: Arra
         found[open_rows] = moved <= MOTION_TOLERANCE
         if not np.all(np.isfinite(unknowns)) or found.all():
             break
-    return Balanced(unknowns, kept, found & np.all(np.isfinite(unknowns), axis=1), responses)
+    forces = system.forces(system.unpacked(unknowns), operation.frequency)
+    return Balanced(unknowns, kept, found & np.all(np.isfinite(unknowns), axis=1), responses, forces)
 
 
 def _solved(slopes: Array, residual: Array) -> Array:
@@ -120,6 +123,6 @@ def fundamentals(system: DrivenPipe, operation: Operation, balanced: Balanced) -
 
     The excitation is drive sin(2 pi f t); nan where no steady state was found.
     """
-    moved = system.moved(balanced.unknowns, operation.frequency, operation.drive, balanced.responses)[:, :, 1]
+    moved = system.under_forces(balanced.forces, operation.drive, balanced.responses)[:, :, 1]
     ratio = 1e-3 * moved / (-1j * operation.drive[:, None])
     return np.where(balanced.found[:, None], ratio, np.nan)

@@ -23,14 +23,28 @@ from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import ranges_of, read_responding, steady_system
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
+from pipeclamp_system.steady.equivalent import LEAST_LOSS_FACTOR
 from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range, in_a_row
+
+LACK_OF_DAMPING = (
+    "where it isn't bounded, a curve ends as a clamp moves farther than the pipe is long, while pipe and clamps take "
+    f"up less than steel does by itself (loss factor {LEAST_LOSS_FACTOR:g}); branches apart aren't sought then. Give "
+    "the pipe the damping that it has ([damping] in its file), or its clamps a law with damping"
+)
+"""Said of a response that nothing bounds."""
+
+CLOSE_ENDS_SHARE = 1e-3
+"""Share of the frequency by which two curves end apart that nothing bounds, and end at one resonance."""
 
 RUN_IT = "; run sines there in time by `pipeclamp cosim`"
 """Said where steady states are missing."""
 
 AT_AN_END = " (where the range ends)"
 """Said of what is highest there: a resonance may lie beyond."""
+
+UNBOUNDED = " (where it isn't bounded)"
+"""Likewise: a curve that rises there without end is followed no farther."""
 
 
 @dataclass(frozen=True)
@@ -116,13 +130,16 @@ class FrequencyResponse:
             peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
             frequencies = [state.frequency for state in curve.states]
             ends = dict.fromkeys(frequencies, "") | {end(frequencies): AT_AN_END for end in (min, max)}
+            ends |= {state.frequency: UNBOUNDED for state in curve.states if state.unbounded}
             peak_text = ", ".join(
                 # the highest of the states that were found, no more
                 f"{name} {peak:.3g} mm at {frequency:.3g} Hz{ends[frequency]}"
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
-            unstable = _spans(stretches(curve.pieces, lambda state: not state.stable))
+            unstable = _spans(stretches(curve.pieces, lambda state: not (state.stable or state.neutral)))
+            neutral = _spans(stretches(curve.pieces, lambda state: state.neutral))
             branch = f"; unstable {unstable}" if unstable else ""
+            branch += f"; neither stable nor unstable, as nothing damps it, {neutral}" if neutral else ""
             broken = _about_missing(curve.followed)
             apart = "".join(
                 f"; {about(piece)}"
@@ -130,6 +147,7 @@ class FrequencyResponse:
                 for piece in of_kind
             )
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
+        lines += [LACK_OF_DAMPING] if any(curve.followed.unbounded for curve in self.curves) else []
         lines += self._about_harmonics()
         lines += self.about_ranges()
         lines += self._about_dots() if self.dots else []
@@ -251,6 +269,8 @@ def _about_missing(followed: FollowedResponse) -> str:
     """Say what isn't balanced, and what was found there in time."""
     if followed.whole:
         return ""
+    if followed.unbounded:
+        return f"; {about_unbounded(followed)}"
     found, unsteady = [state for way in followed.in_time for state in way], followed.unsteady
     if not found and not unsteady:
         return f"; {followed.reach()}{RUN_IT}"
@@ -270,6 +290,14 @@ def _about_missing(followed: FollowedResponse) -> str:
     return words
 
 
+def about_unbounded(followed: FollowedResponse) -> str:
+    """Say where nothing bounds a response; curves that end there from both sides are no farther apart than rounding."""
+    apart: list[float] = []
+    for frequency in followed.unbounded:
+        apart += [] if apart and frequency <= (1 + CLOSE_ENDS_SHARE) * apart[-1] else [frequency]
+    return f"not bounded about {' and '.join(f'{frequency:.4g} Hz' for frequency in apart)}, for lack of damping"
+
+
 def _about_detached(branch: Sequence[SteadyState]) -> str:
     """Say where a branch lies that nothing joins to the others."""
     return f"a branch apart {_where(branch)}"
@@ -284,7 +312,7 @@ def _about_leaving(branch: Sequence[SteadyState]) -> str:
 def _where(branch: Sequence[SteadyState]) -> str:
     """Say which frequencies a branch spans, and whether none of it is stable."""
     frequencies = [state.frequency for state in branch]
-    stable = "" if any(state.stable for state in branch) else " (all of it unstable)"
+    stable = "" if any(state.stable or state.neutral for state in branch) else " (all of it unstable)"
     return f"{_span(min(frequencies), max(frequencies))}{stable}"
 
 
@@ -366,6 +394,9 @@ def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | No
         )
     if followed.in_time:  # a branch apart begins in the balance, which gives none there
         return Curve(temperature, level, followed)
+    if followed.unbounded:  # without damping there is no end of branches: only what lies between resonances is sought
+        between = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, over_levels=False)
+        return Curve(temperature, level, followed, between)
     leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
     detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)
     leaving += leaving_branches(system, detached, table.from_Hz, table.to_Hz)
@@ -424,7 +455,11 @@ def _state_row(
     kind: str, curve: Curve, state: SteadyState, response: FrequencyResponse
 ) -> dict[str, float | str | None]:
     row = _row(kind, curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
-    row |= {"stable": float(state.stable), "growth [1/s]": state.growth, "truncated [1]": state.truncated}
+    row |= {
+        "stable": None if state.neutral else float(state.stable),
+        "growth [1/s]": state.growth,
+        "truncated [1]": state.truncated,
+    }
     means = np.concatenate([state.clamps[:, 0].real, state.probes[:, 0].real])
     row |= {f"{name}.mean [mm]": mean for name, mean in zip(response.points, means.tolist(), strict=True)}
     for name, (amplitude, frequency), force, beyond in zip(

@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution, Steps, follow, solve
-from pipeclamp_system.steady.driven import DrivenPipe
+from pipeclamp_system.steady.driven import STICKING, DrivenPipe
 from pipeclamp_system.steady.equivalent import equivalent
 from pipeclamp_system.steady.harmonics import (
     DOUBTFUL_SHARE,
@@ -19,11 +19,6 @@ from pipeclamp_system.steady.harmonics import (
     resized,
 )
 from pipeclamp_system.steady.truncation import truncated_at
-
-STICKING = 3
-"""Times the fewest harmonics, in which springs turn into clamps that rub: with fewer, what is balanced moves as far as
-a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
-
 
 SAME_MOTION_SHARE = 0.01
 """Share of a motion that was marched by which a balanced one may be off it and still be the same."""

@@ -11,6 +11,9 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_system.steady.clamp import SAMPLES_PER_CYCLE, sampled
 
+NEUTRAL_GROWTH = 1e-6
+"""Share by which a disturbance changes in a cycle and still is kept: steel by itself takes 6e-5 of it at least."""
+
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
@@ -29,6 +32,7 @@ class SteadyState:
         side: of a curve's state, as of `Solution`: it changes where a branch leaves the curve.
         cycles: that were marched where the motion was found in time; its harmonics aren't balanced then, its growth is
             the rate at which it came to repeat, and truncated is what halving the steps changed. None: it is balanced.
+        unbounded: whether nothing bounds it, as of `DrivenPipe.unbounded`: a curve ends there.
     """
 
     frequency: float
@@ -41,6 +45,7 @@ class SteadyState:
     beyond: tuple[Mapping[str, float], ...]
     side: int = 0
     cycles: int | None = None
+    unbounded: bool = False
 
     @property
     def harmonics(self) -> int:
@@ -56,6 +61,11 @@ class SteadyState:
     def stable(self) -> bool:
         """Whether small disturbances die out."""
         return self.growth < 0
+
+    @property
+    def neutral(self) -> bool:
+        """Whether small disturbances neither grow nor die out, for lack of damping: beside rounding."""
+        return abs(self.growth) <= NEUTRAL_GROWTH * self.frequency
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +117,11 @@ class FollowedResponse:
     def complete(self) -> bool:
         """Whether a steady motion is known from end to end."""
         return self.whole or bool(self.in_time and not self.unsteady)
+
+    @property
+    def unbounded(self) -> tuple[float, ...]:
+        """Frequencies, Hz, at which a piece ends as nothing bounds it, from the lowest on."""
+        return tuple(sorted(state.frequency for state in in_a_row(*self.pieces) if state.unbounded))
 
     def reach(self) -> str:
         """Say which frequencies the pieces reach."""

@@ -25,7 +25,7 @@ from pipeclamp_system.description.excitation import require_kind
 from pipeclamp_system.description.system import PipeSource, SystemDescription
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
-from pipeclamp_system.steady.response import amplitudes_of
+from pipeclamp_system.steady.response import about_unbounded, amplitudes_of
 from pipeclamp_system.steady.states import SteadyState
 from pipeclamp_system.study.description import Study, Values
 
@@ -81,6 +81,8 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
     if study.description.measure == "peak":
         followed = steady.followed(table.from_Hz, table.to_Hz)
         states, pieces = list(followed.states), followed.pieces
+        if followed.unbounded:
+            raise UserError(f"the response has no peak: it is {about_unbounded(followed)}")
         if states and not followed.complete:
             raise UserError(f"the response was {followed.reach()}; its peak isn't known: try other ends of [response]")
     else:

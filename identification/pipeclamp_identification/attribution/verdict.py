@@ -202,17 +202,18 @@ def _on_the_nearest_branches(task: RefitTask, refits: Sequence[Refit], compariso
     """Refit once more where a refitted model has stable motions nearer to the measured ones than those it is on.
 
     It takes following the response: all refits (best first) are looked at where none comes near, else those that come
-    next to it, and those only where the model as stated has several stable motions. Where it has one each, a refit
-    that moves as stated, and is but seen otherwise, has no other.
+    next to it, and those only where the model as stated has several stable motions. Where it has one each, or sweeps
+    tell which is met, a refit that moves as stated, and is but seen otherwise, has no other.
     """
     near = refits[0].squared < NEAR_ENOUGH**2 * refits[0].residual.size
     several = bool(np.any(comparison.prediction.branches > 1))
     looked_at = (NEXT_BEST if several else 0) if near else len(refits)
+    told = bool(np.all(comparison.measurement.steady.sweep != 0))
     found = list(refits)
     for index in range(1 if near else 0, min(looked_at + 1, len(refits))):
         one = refits[index]
         model = changed(task.model, one.suspects, one.values)
-        if not several and model.moves_as(task.model):
+        if (told or not several) and model.moves_as(task.model):
             continue
         fresh = predict(model, comparison.measurement)
         computed = replace(one.computed, sines=fresh)

@@ -56,7 +56,7 @@ class CoupledModel:
         driven, known = (each.instrument for each in (self, other))
         return (
             pipe == other.pipe
-            and self.clamps is other.clamps
+            and (self.clamps is other.clamps or _as_stated(self.clamps) == _as_stated(other.clamps))
             and (driven.excitation.gain, driven.frequency) == (known.excitation.gain, known.frequency)
         )
 
@@ -71,6 +71,11 @@ class CoupledModel:
             UserError: the pipe can't be reduced.
         """
         return SteadySystem(self.reduced, self.clamps[temperature], excitation, harmonics or self.harmonics)
+
+
+def _as_stated(clamps: Mapping[float | None, tuple[tuple[int, SteadyClamp], ...]]) -> object:
+    """Give what clamps are made of, to hold them against others."""
+    return {temperature: [(place, vars(clamp)) for place, clamp in own] for temperature, own in clamps.items()}
 
 
 @lru_cache(maxsize=64)

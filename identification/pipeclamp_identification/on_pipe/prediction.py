@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -58,12 +58,14 @@ class Prediction:
         clamps: fundamental of each clamp's displacement, mm, (P, clamps).
         groups: the steady states, sines that ask for about as many harmonics together.
         branches: how many stable states there are, (P,); 1 unless it was looked for.
+        model: pipe and clamps that it is of.
     """
 
     response: ComplexArray
     clamps: ComplexArray
     groups: tuple[Group, ...]
     branches: IntArray
+    model: CoupledModel
 
 
 def temperatures(measured: SteadyMeasurement) -> Iterator[tuple[float | None, IntArray]]:
@@ -95,19 +97,24 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     response, clamps = np.full(shape, np.nan + 0j), np.full((shape[0], len(model.clamp_names)), np.nan + 0j)
     begun, branches = _begun(model, measurement) if near is None else (map(_from_near, near.groups), near.branches)
     groups = []
+    # What is but seen otherwise is balanced already, unless something wasn't found.
+    alike = near is not None and model.moves_as(near.model) and all(group.solved.found.all() for group in near.groups)
     for begin in begun:
         rows = begin.rows
         operation = true_operation(model, measurement, rows)
         system = model.system(begin.temperature, lambda frequency: 1.0, begin.harmonics)
-        solved = balance(system, operation, begin.unknowns, begin.slopes)
-        if near is not None and not solved.found.all():
-            solved = _again_from_rest(system, operation, solved)
+        if alike and begin.solved is not None:
+            solved = replace(begin.solved, responses=system.responses(operation.frequency))
+        else:
+            solved = balance(system, operation, begin.unknowns, begin.slopes)
+            if near is not None and not solved.found.all():
+                solved = _again_from_rest(system, operation, solved)
         moved = fundamentals(system, operation, solved)
         count = len(model.clamp_names)
         clamps[rows] = 1e3 * operation.drive[:, None] * moved[:, :count]
         response[rows] = as_recorded(moved[:, count:], operation.frequency, measurement, model)
         groups.append(Group(begin.temperature, rows, begin.harmonics, solved))
-    return Prediction(response, clamps, tuple(groups), branches)
+    return Prediction(response, clamps, tuple(groups), branches, model)
 
 
 def true_operation(
@@ -151,6 +158,7 @@ class _Begin(NamedTuple):
     Attributes:
         temperature, rows, harmonics: as of `Group`.
         unknowns, slopes: as of `Balanced`; slopes are None where none are known that may still serve.
+        solved: the steady states of the neighbour; None where there is none.
     """
 
     temperature: float | None
@@ -158,10 +166,12 @@ class _Begin(NamedTuple):
     harmonics: int
     unknowns: Array
     slopes: Array | None
+    solved: Balanced | None = None
 
 
 def _from_near(group: Group) -> _Begin:
-    return _Begin(group.temperature, group.rows, group.harmonics, group.solved.unknowns, group.solved.slopes)
+    solved = group.solved
+    return _Begin(group.temperature, group.rows, group.harmonics, solved.unknowns, solved.slopes, solved)
 
 
 def _begun(model: CoupledModel, measurement: PipeMeasurement) -> tuple[list[_Begin], IntArray]:
@@ -285,7 +295,9 @@ def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balance
     again = balance(system, operation.rows(lost), np.zeros((lost.size, system.size)))
     unknowns, slopes, found = solved.unknowns.copy(), solved.slopes.copy(), solved.found.copy()
     unknowns[lost], slopes[lost], found[lost] = again.unknowns, again.slopes, again.found
-    return Balanced(unknowns, slopes, found, solved.responses)
+    forces = solved.forces.copy()
+    forces[lost] = again.forces
+    return Balanced(unknowns, slopes, found, solved.responses, forces)
 
 
 def _seen(probes: ComplexArray, row: int, measurement: PipeMeasurement, model: CoupledModel) -> ComplexArray:

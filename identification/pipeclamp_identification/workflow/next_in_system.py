@@ -65,6 +65,8 @@ def after_response(
         return NextStep(again, "without harmonics in [response]")
     if found.left_out:
         return NextStep(shell_line("cosim", str(system), "-o", "cosim.csv"), "with a frequency where it is in doubt")
+    if any(curve.followed.unbounded for curve in found.curves):
+        return NextStep(again, "with the pipe's damping in its file, or a law with damping")
     if not all(curve.followed.complete for curve in found.curves):
         return NextStep(again, "with other ends of [response]")
     beyond = {

@@ -70,6 +70,7 @@ class ReducedPipe:
         excitation: "base" or "force".
         excitation_participation: [mode]: modal load per m/s2 of the base, or per N.
         up_to_Hz: the stated frequency.
+        length: m.
         mass: all that moves, kg.
         mass_per_length: kg/m, with fluid.
         bending_stiffness: E I, N m2.
@@ -97,6 +98,7 @@ class ReducedPipe:
     excitation: str
     excitation_participation: tuple[float, ...]
     up_to_Hz: float
+    length: float
     mass: float
     mass_per_length: float
     bending_stiffness: float
@@ -273,6 +275,7 @@ def reduce(description: PipeDescription) -> ReducedPipe:
         clamp_names=tuple(entry.name for entry in description.clamps),
         excitation=description.excitation.kind,
         up_to_Hz=description.modes.up_to_Hz,
+        length=beam.length,
         mass=beam.mass_per_length * beam.length + sum(entry.mass_kg for entry in description.masses),
         mass_per_length=beam.mass_per_length,
         bending_stiffness=beam.bending_stiffness,

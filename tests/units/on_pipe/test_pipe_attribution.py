@@ -28,6 +28,7 @@ from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
 from pipeclamp_models.pipe.description import Excitation
+from pipeclamp_system.steady.clamp import SteadyClamp
 
 PIPE = """
 name = "symmetric"
@@ -152,6 +153,28 @@ def test_a_compliance_that_is_hardly_told_has_no_endless_per_cent(comparison):
     (rigid,) = (one for one in suspects if one.id == "right.stiffness")
     assert "(± 20%) instead of rigid" in rigid.value_words((0.05,), (0.01,))
     assert "(to more than ± 100%) instead of rigid" in rigid.value_words((0.05,), (1e300,))
+
+
+def test_what_is_but_seen_otherwise_is_not_balanced_again(comparison, monkeypatch):
+    """Each derivative by a sensor's gain had cost as many forces of the clamps as one by their stiffness."""
+    model = with_mounts(comparison.model)
+    suspects = {one.id: one for one in suspects_of(comparison.model, comparison.measurement.description)}
+    refitted = (suspects["clamp1.stiffness"], suspects["sensor:middle.gain"], suspects["sensor:middle.position"])
+    values = [one.starts[-1] for one in refitted]
+
+    def with_sensor(share):
+        gain, position = (tuple(share * one for one in own) for own in values[1:])
+        return changed(model, refitted, (*values[0], *gain, *position))
+
+    stated = predict(model, comparison.measurement, comparison.prediction)
+    near = predict(with_sensor(1.0), comparison.measurement, stated)
+    expected = predict(with_sensor(0.5), comparison.measurement, stated).response
+    counted, forces = [], SteadyClamp.forces
+    monkeypatch.setattr(SteadyClamp, "forces", lambda *given: counted.append(1) or forces(*given))
+    found = predict(with_sensor(0.5), comparison.measurement, near)
+    assert not counted
+    assert found.response == pytest.approx(expected, rel=1e-6)
+    assert not np.allclose(found.response, near.response, rtol=1e-3)
 
 
 def test_what_is_but_seen_otherwise_moves_as_stated(comparison):

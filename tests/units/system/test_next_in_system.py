@@ -53,13 +53,14 @@ class Response:
     left_out: bool = False
     stated_harmonics: bool = False
     whole: bool = True
+    unbounded: bool = False
     beyond: dict = field(default_factory=dict)
     clamp_names: tuple = ("clamp1",)
 
     @property
     def curves(self):
-        state = SimpleNamespace(beyond=(self.beyond,))
-        return [SimpleNamespace(followed=FollowedResponse((), whole=self.whole), states=[state])]
+        state = SimpleNamespace(beyond=(self.beyond,), unbounded=self.unbounded, frequency=5.0)
+        return [SimpleNamespace(followed=FollowedResponse(((state,),), whole=self.whole), states=[state])]
 
 
 def can_be_run(line):
@@ -92,6 +93,10 @@ RESPONSE = {
     "a force that steps": (
         Response(left_out=True),
         "Next, with a frequency where it is in doubt: pipeclamp cosim S -o cosim.csv",
+    ),
+    "not bounded": (
+        Response(whole=False, unbounded=True),
+        "Next, with the pipe's damping in its file, or a law with damping: pipeclamp response S -o r.csv",
     ),
     "given up": (Response(whole=False), "Next, with other ends of [response]: pipeclamp response S -o r.csv"),
     "beyond the data": (

@@ -163,7 +163,7 @@ def pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
     cut: list[tuple[bool, list[SteadyState]]] = []
     for followed in curve.pieces:
         before: list[SteadyState] = []
-        for stable, group in groupby(followed, key=lambda state: state.stable):
+        for stable, group in groupby(followed, key=lambda state: state.stable or state.neutral):
             piece = [*before[-1:], *group]
             cut.append((stable, piece))
             before = piece
