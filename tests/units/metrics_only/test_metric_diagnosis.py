@@ -93,6 +93,16 @@ def test_a_missing_effect_is_named_with_its_caution(named):
     assert any("rests on one row" in caution for caution in answer.cautions())
 
 
+def test_what_was_tried_in_vain_rests_on_no_row(named):
+    """It had been warned of an effect without a name: " rests on one row"."""
+    tests, diagnosis = named
+    found = replace(diagnosis, rests_on=(0,))
+    answer = MetricDiagnosed(found, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
+    assert any("damping_temperature rests on one row" in caution for caution in answer.cautions())
+    nothing = answer.naming_nothing("it didn't help")
+    assert nothing.diagnosis.rests_on == () and not any("warning:  rests" in one for one in nothing.cautions())
+
+
 def test_a_condition_that_no_test_varies_is_told(named):
     tests, diagnosis = named
     alike = diagnosis.observations.rows(np.flatnonzero(np.array(CROSS)[:, 0] == 0.8))
