@@ -56,6 +56,16 @@ def test_identify_is_reproducible_byte_for_byte(pipeclamp, clamp_a, law, tmp_pat
     assert all('"date"' in line or '"command"' in line for line in other)
 
 
+def test_an_fmu_of_a_law_without_a_time_says_what_its_damping_follows(pipeclamp, law, tmp_path):
+    told = "no time was measured in the tests of law"
+    assert told not in pipeclamp("build-fmu", law, "-o", tmp_path / "a.fmu").stderr
+    file = read(law)
+    file["data"]["time_measured"] = False
+    (tmp_path / "untimed.json").write_text(json.dumps(file), encoding="utf-8")
+    done = pipeclamp("build-fmu", tmp_path / "untimed.json", "-o", tmp_path / "b.fmu")
+    assert told in " ".join(done.stderr.split())
+
+
 def test_a_law_says_what_was_held_by_wish_and_what_was_fitted(pipeclamp, small, tmp_path):
     path = tmp_path / "law.json"
     pipeclamp("identify", small, "-o", path, "--base", "memory", "--freeze", "c_A=0.1")

@@ -51,11 +51,9 @@ def test_what_does_not_help_is_told_and_the_law_before_is_gone_on_from(pipeclamp
     before, after = [step["refitted_nrmse"] for step in json.loads(worse.read_text(encoding="utf-8"))["history"]]
     rises = f"on left-out conditions rises with gap ({before:.2%} -> {after:.2%}); keep the law without it\n"
     assert f"The law got worse: the error {rises}Next: pipeclamp diagnose {law} emwm2_tables --auto " in told
-    told = pipeclamp("add", law, "stiffness_frequency", "emwm2_tables", "-o", worse).stdout
-    assert (
-        "The error on left-out conditions doesn't fall with stiffness_frequency (" in told
-    )  # it rises by less than is material
-    assert "keep the law without it\nNext: pipeclamp diagnose " in told
+    pipeclamp("add", law, "asymmetry", "emwm2_tables", "-o", worse)
+    before, after = [step["refitted_nrmse"] for step in json.loads(worse.read_text(encoding="utf-8"))["history"]]
+    assert after == pytest.approx(before, rel=0.01), "what doesn't show helps nowhere: 11.2 % -> 3.4 % had been said"
 
 
 def test_add_remove_and_compare(pipeclamp, base_law):

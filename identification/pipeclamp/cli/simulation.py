@@ -20,6 +20,7 @@ from pipeclamp.cli.terminal import (
     errors,
     file_option,
     names_in,
+    note,
     opened_law,
     print_next,
     put,
@@ -134,6 +135,11 @@ def build_fmu(
         file = opened_law(law)
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
         held = passivity(clamp_model(file, start), file).words()
+    if not file.data.is_timed:
+        note(
+            f"no time was measured in the tests of law {file.name}: its forces are those of cycles of one second, and "
+            "at any other frequency the FMU's damping follows a speed that nobody tested"
+        )
     put(f"law {file.name} {held}")
     put(f"{output}: {made}")
     say([after_clamp_fmu(str(output)).words()])

@@ -48,7 +48,8 @@ class Guard:
 
 def beyond_chance(explained: float, by_chance: float) -> Guard:
     """Ask whether a term explains more than the best of the whole grammar would by chance."""
-    words = f"it explains {explained:.0f} squares of what is left; the best of all terms, by chance, {by_chance:.0f}"
+    by_it = f"{explained:.0f} squares" if explained > 0 else "nothing"
+    words = f"it explains {by_it} of what is left; the best of all terms, by chance, {by_chance:.0f} squares"
     return Guard("more than chance", bool(explained > by_chance), words)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +23,7 @@ from pipeclamp_identification.fitting.joint.not_fitted import not_fitted
 from pipeclamp_identification.fitting.joint.points import linearised, sized_start, starts_by_effect
 from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE, kept, most_promising
 from pipeclamp_identification.fitting.observations import Observations, data_scales
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress, silent
@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
 FIT_TOLERANCE = 1e-10
 MOST_EVALUATIONS = 100
+HARDLY_SHOWN = 1e-3
+"""Of a parameter that a start hardly shows, its whole size moves the residuals by less than this, in units of their
+standard errors."""
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 ALIKE_SHARE = 1e-3
@@ -130,6 +133,11 @@ def _neutral(parameter: ParameterOutline, scales: Sizes) -> float:
     return parameter.neutral if parameter.neutral is not None else number_in(parameter.starts[0], scales)
 
 
+def _sizes(parameters: Sequence[ParameterOutline], scales: Sizes) -> Array:
+    """Give the size of each parameter, by which it is told whether the data shows it: its spread, else its start."""
+    return np.array([abs(number_in(one.spread or one.starts[0], scales)) for one in parameters])
+
+
 def _minimise(
     law: Remembered,
     begin: Array,
@@ -162,15 +170,17 @@ def _minimise(
     # What only holds a law against tests does without it: it takes as long to load as all the rest.
     from scipy.optimize import least_squares
 
-    prior = priors_of(equations, scales).of(free)
-    prior_slopes = np.diag(prior.root)
+    priors = priors_of(equations, scales)
 
-    def minimise(method: str, at: Array) -> OptimizeResult:
+    def minimise(method: str, values: Array, places: IntArray, at: Array) -> OptimizeResult:
+        own, prior = Evaluator(law, values, places), priors.of(places)
+        prior_slopes = np.diag(prior.root)
+        inside = np.isin(free, places)
         return least_squares(
-            lambda point: np.concatenate([evaluator.residual(point), prior.residual(point)]),
+            lambda point: np.concatenate([own.residual(point), prior.residual(point)]),
             at,
-            jac=lambda point: np.concatenate([evaluator.jacobian(point), prior_slopes]),
-            bounds=(lower, upper),
+            jac=lambda point: np.concatenate([own.jacobian(point), prior_slopes]),
+            bounds=(lower[inside], upper[inside]),
             x_scale="jac",
             method=method,
             ftol=tolerance,
@@ -181,10 +191,17 @@ def _minimise(
 
     # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
     with np.errstate(over="ignore", invalid="ignore"):
-        result = minimise("trf", x0)
+        # What the start hardly shows would take steps of no size, and shorten those of all others: these go first.
+        sizes = _sizes(equations.parameters, scales)[free]
+        shown = np.linalg.norm(evaluator.jacobian(x0), axis=0) * sizes > HARDLY_SHOWN
+        if np.any(shown) and not np.all(shown):
+            values = begin.copy()
+            values[free] = x0
+            x0[shown] = minimise("trf", values, free[shown], x0[shown]).x
+        result = minimise("trf", begin, free, x0)
         if result.status == 0:
             # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
-            result = minimise("dogbox", result.x)
+            result = minimise("dogbox", begin, free, result.x)
     values = begin.copy()
     values[free] = result.x
     return float(result.cost), values

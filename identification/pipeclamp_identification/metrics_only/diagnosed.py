@@ -101,7 +101,7 @@ class MetricDiagnosed:
 
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
-        diagnosis = replace(self.diagnosis, found=MetricWeighed("unknown", (), (reason,)))
+        diagnosis = replace(self.diagnosis, found=MetricWeighed("unknown", (), (reason,)), rests_on=())
         return replace(self, diagnosis=diagnosis, proposal=None, no_test="")
 
     def headline(self) -> str:

@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations, as_seen_at_few
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
-from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
+from pipeclamp_identification.metrics_only.valleys import CLOSELY, LEFT_OUT
 from pipeclamp_identification.signals.chances import of_larger_ratio
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array, IntArray
@@ -193,7 +193,7 @@ def _squares_left_out(
     structure: Structure, observations: MetricObservations, start: Mapping[str, float], fold: tuple[IntArray, IntArray]
 ) -> Array:
     used, left_out = fold
-    law = fit(structure, observations.rows(used), start=start, tolerance=ROUGHLY).law
+    law = fit(structure, observations.rows(used), start=start, tolerance=LEFT_OUT).law
     beyond = observations.rows(left_out)
     logs = np.abs(beyond.logs(force_of_law(law, beyond.motion).force))
     return np.asarray(np.sum(np.fmin(logs, WRONG_AT_MOST_LOG) ** 2, axis=1))

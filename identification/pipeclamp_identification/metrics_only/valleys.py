@@ -11,7 +11,10 @@ from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import Structure
 
 CLOSELY, ROUGHLY = 1e-7, 1e-4
-"""Tolerances: of a candidate's fit; of one that serves to foretell left-out conditions, or to choose between starts."""
+"""Tolerances: of a candidate's fit; of one that serves to choose between starts."""
+LEFT_OUT = 1e-6
+"""Of a fit that foretells left-out conditions, as of records. It begins at the fit to all: one that ends roughly hardly
+leaves it, and then its error on what was left out is that on what it was fitted to."""
 
 ANOTHER_VALLEY_SHARE = 0.01
 """Fits whose costs differ by less than this share have ended in one valley, or in two that are as good."""

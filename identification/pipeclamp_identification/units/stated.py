@@ -48,7 +48,7 @@ MEANT: Mapping[Quantity, Mapping[str, str]] = {
     "force": {"kg": "kgf", "g": "gf", "lb": "lbf", "t": "1000 kgf", "to": "1000 kgf", "klb": "kip"},
     "preload": {"kg": "kgf", "lb": "lbf"},
     "stiffness": {"lb/in": "lbf/in", "lbs/in": "lbf/in", "kg/mm": "kgf/mm", "kg/cm": "kgf/cm"},
-    "temperature": {"c": "degC", "f": "degF", "k": "K", "°": "degC"},
+    "temperature": {"c": "degC", "f": "degF", "k": "K", "°": "degC", "deg": "degC"},
     "time": {"S": "s", "m": "min"},
     "displacement": {"M": "m"},
 }
@@ -62,12 +62,20 @@ BARE: Mapping[str, Quantity] = {
     **dict.fromkeys(("н", "кн", "кгс"), "force"),
 }
 """Units that stand at the end of a name without brackets, in lower case, and what they are of."""
+OF_OTHERS: Mapping[str, str] = {
+    **{unit: unit for unit in ("Hz", "kHz", "1/s", "1/min", "Pa", "kPa", "MPa", "GPa", "rad", "deg", "%")},
+    **dict.fromkeys(("pct", "percent"), "%"),
+}
+"""Units of something else that stand so, and what they mean; A, V or bar may be a symbol or a word of the name."""
+RATIOS = ("mm/s", "mm/s**2", "N/mm", "rad/s")
+"""What a unit with a stroke turns into that stands so: "Kraft F/kN" is no capacity over a force."""
 SAME_FACTOR_SHARE = 2e-3
 """A factor agrees with a unit where it differs by no more than its rounding does: 9.81 for 9.80665 is 3e-4 off."""
 
 BRACKETED = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$", re.DOTALL)
 SLASHED = re.compile(r"^(.*\S)\s*/\s*([^\s/]+)\s*$", re.DOTALL)
 TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DOTALL)
+RATIO = re.compile(r"^[^\s/]+/[^\s/]+$")
 WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
 """A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
 NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
@@ -88,7 +96,8 @@ class Conversion:
 def unit_in_name(name: str) -> tuple[str, str]:
     """Part a column's name into what it names and the unit that it states, "" where it states none.
 
-    "Load [kN]", "Axial Force (kN)", "Weg/mm", "Zeit, s", "LVDT in" and "force_N" state one; "Load (cell 1)" doesn't.
+    "Load [kN]", "Axial Force (kN)", "Weg/mm", "Zeit, s", "LVDT in", "force_N" and "speed_mm/s" state one;
+    "Load (cell 1)" doesn't.
     """
     text = unicodedata.normalize("NFKC", name).replace("μ", "µ").strip()
     if found := BRACKETED.match(text):
@@ -96,11 +105,18 @@ def unit_in_name(name: str) -> tuple[str, str]:
         # "data(1)" is the first of several
         counted = found[2] is None and inside.isdigit()
         return (found[1].strip(), inside) if inside and not counted and is_unit(inside) else (text, "")
+    if (found := TRAILING.match(text)) and _stands_bare(found[2]):
+        return found[1].removesuffix(" in").rstrip(" ,"), OF_OTHERS.get(found[2], found[2])
     if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):
         return found[1].strip(), found[2]
-    if (found := TRAILING.match(text)) and found[2].casefold() in BARE:
-        return found[1].removesuffix(" in").rstrip(" ,"), found[2]
     return text, ""
+
+
+def _stands_bare(unit: str) -> bool:
+    """Tell whether what stands at the end of a name, parted from it by a blank, a comma or `_`, surely is a unit."""
+    if unit.casefold() in BARE or unit in OF_OTHERS:
+        return True
+    return bool(RATIO.match(unit)) and any(_conversion_to(ours, unit, "") for ours in RATIOS)
 
 
 def is_unit(text: str) -> bool:

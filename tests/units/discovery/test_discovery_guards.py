@@ -22,6 +22,7 @@ from pipeclamp_identification.discovery.discover import best_heard, left_to_hear
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
     Guard,
+    beyond_chance,
     beyond_the_tests,
     comes_back,
     confirmed,
@@ -489,3 +490,9 @@ def test_a_term_whose_strength_ended_at_its_bound_explains_nothing():
     random = np.random.default_rng(4)
     one = refitted(0.0, ("k",), random.standard_normal((24, 5, 1)), random.standard_normal((24, 5)))
     assert screened_beside(one, np.repeat(np.arange(8), 3)).explained()[-1] == 0.0
+
+
+@pytest.mark.parametrize(("explained", "said"), [(40.0, "explains 40 squares"), (-178.2, "explains nothing of")])
+def test_less_than_nothing_is_explained_in_no_numbers(explained, said):
+    guard = beyond_chance(explained, 31.0)
+    assert said in guard.words and "-178" not in guard.words and guard.passed is (explained > 0)

@@ -33,6 +33,9 @@ def found(headings, option=""):
     [
         ("Axial Force (kN)", "kN"), ("Weg/mm", "mm"), ("Last [kN]", "kN"), ("LVDT in", "in"), ("Zeit, s", "s"),
         ("force_N", "N"), ("T [°F]", "°F"), ("Load (cell 1)", ""), ("Kraft", ""), ("F1", ""), ("Weg in mm", "mm"),
+        ("Velocity mm/s", "mm/s"), ("stiffness_N/mm", "N/mm"), ("omega_rad/s", "rad/s"), ("frequency_Hz", "Hz"),
+        ("G' Pa", "Pa"), ("strain_pct", "%"), ("Kraft F/kN", "kN"), ("Zeit t/s", "s"), ("Weg s/mm", "mm"),
+        ("Channel A", ""), ("Kanal V", ""),
     ],
 )  # fmt: skip
 def test_units_are_found_in_names(name, unit):
@@ -226,3 +229,17 @@ def test_letters_of_a_quantity_are_proposed_before_others():
     with pytest.raises(UserError) as told:
         found(["t", "A", "D", "Y", "V", "F"])
     assert '--columns "time=t [s],displacement=D [mm],force=F [N]"' in str(told.value)
+
+
+def test_what_each_cycle_reached_is_no_record():
+    peaks = [f"{name}:{end} ({unit})" for name, unit in (("Position", "mm"), ("Force", "kN")) for end in ("Max", "Min")]
+    with pytest.raises(UserError, match=r"'Position:Max \(mm\)' is what a cycle reached.*take the file of samples"):
+        found(["Time (s)", "Step", "Frequency (Hz)", *peaks])
+    # beside its samples it is one channel of many
+    assert found(["Time (s)", "Position (mm)", "Force (kN)", *peaks])["displacement"][0] == "Position (mm)"
+
+
+def test_a_number_of_the_step_is_proposed_for_no_displacement():
+    with pytest.raises(UserError) as refused:
+        found(["Time (s)", "Step", "a", "b"])
+    assert "displacement=a" in str(refused.value) and "displacement=Step" not in str(refused.value)

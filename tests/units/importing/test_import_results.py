@@ -13,7 +13,7 @@ import pytest
 import pipeclamp as pc
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.quantities import quantity_of, turned
-from pipeclamp_identification.importing.results.recognised import frequency_of_results
+from pipeclamp_identification.importing.results.recognised import frequency_of_results, holds_results
 from pipeclamp_identification.importing.texts.sniffing import layout_of
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -55,6 +55,10 @@ def table(channels, length=8):
         ("K*", "N/mm", "dynamic_stiffness"), ("Dyn. Stiffness [lb/in]", "", "dynamic_stiffness"),
         ("Static Stiffness", "N/mm", ""), ("Loss Angle", "deg", "loss_angle"), ("Phase", "°", "loss_angle"),
         ("tan δ", "", "loss_factor"), ("Tan Delta", "-", "loss_factor"), ("Verlustfaktor", "", "loss_factor"),
+        ("Equivalent damping ratio [%]", "", "damping_ratio"), ("heq", "", "damping_ratio"),
+        ("ξ", "%", "damping_ratio"), ("Damping", "N s/mm", ""), ("Compression ratio", "", ""),
+        ("keff_kN/mm", "", "dynamic_stiffness"), ("Gp_Pa", "", "storage_stiffness"), ("Gpp_Pa", "", "loss_stiffness"),
+        ("E_prime", "MPa", "storage_stiffness"), ("G_double_prime", "Pa", "loss_stiffness"), ("Pressure_Pa", "", ""),
         ("Frequency", "Hz", "frequency"), ("ω", "rad/s", "frequency"), ("Sample frequency", "Hz", ""),
         ("Displacement Amplitude", "mm", "amplitude"),
         ("DynAmpl", "mm", "amplitude"), ("Mean Displacement", "mm", ""), ("x0", "µm", ""),
@@ -380,3 +384,57 @@ def test_specimens_and_temperatures_beside_the_columns_are_taken(tmp_path):
     runs = read_tests(tmp_path / "c").campaign.runs
     assert [run.setup.specimen for run in runs] == ["B9", "A7"] * 3
     assert {run.setup.temperature_C for run in runs} == {23.0} and "counts as blank" not in " ".join(found.notes)
+
+
+def sheet(path: Path, heading: str, rows) -> Path:
+    path.write_text("\n".join([heading, *(",".join(f"{cell:g}" for cell in row) for row in rows)]) + "\n")
+    return path
+
+
+def test_units_behind_an_underscore_tell_results(tmp_path):
+    """Read as "dynamic_stiffness_N" in mm, they had made a record of it."""
+    rows = [(f, 0.1, 300 * f**0.1, 6.0) for f in FREQUENCIES]
+    path = sheet(tmp_path / "mount.csv", "frequency_Hz,amplitude_mm,dynamic_stiffness_kN/m,loss_angle_deg", rows)
+    pc.import_files([path], tmp_path / "mount")
+    run = read_tests(tmp_path / "mount").campaign.runs[0]
+    assert run.stiffness == pytest.approx(rows[0][2], rel=1e-5)
+    assert math.degrees(run.loss_angle) == pytest.approx(6.0, rel=1e-5)
+
+
+def test_a_damping_ratio_is_half_of_what_a_cycle_loses_over_its_secant(tmp_path):
+    """dW = 2 pi zeta k X^2, as reports of isolators have it; what no ellipse loses is left out with its reason."""
+    rows = [(0.5, 25, 1.3, 15.0), (0.5, 50, 1.05, 12.0), (0.5, 100, 0.9, 60.0)]
+    heading = "Frequency [Hz],Amplitude [mm],Effective stiffness [kN/mm],Equivalent damping ratio [%]"
+    found = pc.import_files([sheet(tmp_path / "isolator.csv", heading, rows)], tmp_path / "isolator")
+    assert "no ellipse has a damping ratio of 0.5 or more" in " ".join(found.notes)
+    runs = read_tests(tmp_path / "isolator").campaign.runs
+    assert [run.stiffness for run in runs] == pytest.approx([1300, 1050], rel=1e-5)
+    assert [run.loss_factor for run in runs] == pytest.approx([0.3, 0.24], rel=1e-5)
+    # beside a storage stiffness the loss is of that
+    path = sheet(tmp_path / "other.csv", "f Hz,ampl mm,K' N/mm,heq", [(1, 0.1, 900, 0.6), (1, 0.2, 800, 0.1)])
+    pc.import_files([path], tmp_path / "other")
+    first = read_tests(tmp_path / "other").campaign.runs[0]
+    assert first.stiffness == pytest.approx(900 * math.hypot(1, 1.2), rel=1e-5)
+
+
+def test_a_damping_ratio_that_is_stated_as_a_loss_factor_is_told(tmp_path):
+    heading = "Frequency [Hz],Amplitude [mm],Stiffness [kN/mm],Damping ratio [%],Load [kN]"
+    path = sheet(tmp_path / "isolator.csv", heading, [(0.5, 25, 1.3, 15.0, 500), (0.5, 50, 1.05, 12.0, 500)])
+    found = pc.import_files([path], tmp_path / "isolator", columns="loss_factor=Damping ratio")
+    told = " ".join(found.notes)
+    assert 'twice that: where it is what it is called, --columns "damping_ratio=Damping ratio [%]"' in told
+    assert 'to keep one as a condition: --columns "load_kN=Load [kN]"' in told
+
+
+def test_a_sweep_of_the_amplitude_needs_no_column_of_its_frequency(tmp_path):
+    """Where it is one and the same, a table of conditions states it."""
+    assert holds_results(table([("amplitude", "mm"), ("K'", "N/mm"), ("K''", "N/mm")]))
+    assert not holds_results(table([("Time", "s"), ("amplitude", "mm"), ("K'", "N/mm"), ("K''", "N/mm")]))
+    path = sheet(tmp_path / "sweep.csv", "strain_pct,Gp_Pa,Gpp_Pa", [(1, 900, 150), (5, 800, 160)])
+    with pytest.raises(UserError, match="no column is the frequency in Hz"):
+        pc.import_files([path], tmp_path / "x")
+    (tmp_path / "set.csv").write_text("file,frequency_Hz\nsweep.csv,2\n")
+    columns = "amplitude=strain_pct [0.02 mm],storage_stiffness=Gp_Pa [0.1 N/mm],loss_stiffness=Gpp_Pa [0.1 N/mm]"
+    pc.import_files([path], tmp_path / "x", columns=columns, conditions=tmp_path / "set.csv")
+    runs = read_tests(tmp_path / "x").campaign.runs
+    assert [(run.frequency_Hz, run.amplitude_mm) for run in runs] == [(2, 0.02), (2, pytest.approx(0.1))]

@@ -77,6 +77,25 @@ def test_a_run_that_begins_unloaded_or_under_another_name_begins_anew(tmp_path):
     assert all(np.ptp(run.record.displacement_mm) == pytest.approx(2.0) for run in runs)
 
 
+@pytest.mark.parametrize("rate", ["none", "50"])
+@pytest.mark.parametrize("begins", [0, 1])
+def test_a_machines_count_of_the_cycles_says_how_many_were_before(tmp_path, rate, begins):
+    """Of cycles that it caught, one in 500, four had been counted; and the step between two was a part of both."""
+    phase = np.linspace(0.0, 2 * np.pi, 51)[:50]
+    counts = [begins, 500, 1000, 1500]
+    rows = [
+        (n, a * np.sin(p), STIFFNESS * a * np.sin(p))
+        for n, a in zip(counts, (1, 1.2, 1.4, 1.6), strict=True)
+        for p in phase
+    ]
+    lines = ["Machine_N_cycles,Displacement [mm],Force [N]", *(f"{n},{y:.6f},{force:.4f}" for n, y, force in rows)]
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c", rate=rate, columns="segment=Machine_N_cycles")
+    runs = read_campaign(tmp_path / "c").runs
+    assert [run.setup.first_cycle for run in runs] == [0, 500 - begins, 1000 - begins, 1500 - begins]
+    assert [np.ptp(run.record.displacement_mm) / 2 for run in runs] == pytest.approx([1, 1.2, 1.4, 1.6], rel=1e-2)
+
+
 def test_conditions_are_those_of_a_runs_own_samples(tmp_path):
     rows = [(*row, 2.0 * row[0]) for row in corners(*[(n, [a, 0.0, -a, -0.1] * 2) for n, a in enumerate((1.0, 2.0))])]
     names = "Block,Displacement [mm],Force [N],current [A]"

@@ -9,6 +9,7 @@ from few_effects import few_effects
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.fitting.joint.not_fitted import ONE_AMPLITUDE
+from pipeclamp_identification.fitting.least_squares import fit, unfitted
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import judge_metrics, metric_scatter_of
@@ -91,6 +92,28 @@ def test_a_missing_effect_is_named_with_its_caution(named):
     assert diagnosis.tested_once == ("T",)
     answer = MetricDiagnosed(diagnosis, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
     assert any("rests on one row" in caution for caution in answer.cautions())
+
+
+def test_a_fit_isnt_held_up_by_what_the_data_doesnt_show(quiet):
+    """A small k2 shows in no dW and no W: its step went to its bound, and shortened all others to nothing. So laws were
+    said to foretell left-out conditions as well as what they were fitted to."""
+    observations = quiet[1].with_scatter(0.01)
+    start = BASE | {"k10": 1300.0, "c0": 100.0}
+    plain = fit(Structure("power"), observations, start=start)
+    beside = fit(Structure("power", ("asymmetry",)), observations, start=start | {"k2": 0.03})
+    assert beside.cost == pytest.approx(plain.cost, rel=0.01)
+    starts = [unfitted(Structure("power"), observations, start).cost, plain.cost]
+    assert starts[0] > 2 * starts[1]
+
+
+def test_what_was_tried_in_vain_rests_on_no_row(named):
+    """It had been warned of an effect without a name: " rests on one row"."""
+    tests, diagnosis = named
+    found = replace(diagnosis, rests_on=(0,))
+    answer = MetricDiagnosed(found, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
+    assert any("damping_temperature rests on one row" in caution for caution in answer.cautions())
+    nothing = answer.naming_nothing("it didn't help")
+    assert nothing.diagnosis.rests_on == () and not any("warning:  rests" in one for one in nothing.cautions())
 
 
 def test_a_condition_that_no_test_varies_is_told(named):

@@ -16,7 +16,7 @@ from pipeclamp_identification.importing.channels.naming import rank
 from pipeclamp_identification.importing.channels.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
-from pipeclamp_identification.importing.results.recognised import frequency_of_results, results_words
+from pipeclamp_identification.importing.results.recognised import holds_results, results_words
 from pipeclamp_identification.importing.unusable import ResultsFileError, UnusableFileError
 from pipeclamp_models.base.errors import UserError
 
@@ -56,7 +56,7 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     Raises:
         UserError: no table does, or what a channel is, is open and nobody can be asked.
     """
-    results = [table for table in source.tables if frequency_of_results(table, stated)]
+    results = [table for table in source.tables if holds_results(table, stated)]
     tables = tuple(table for table in source.tables if not any(table is one for one in results))
     if not tables:
         raise ResultsFileError(where_of(source, results[0]), results_words(results[0], stated))

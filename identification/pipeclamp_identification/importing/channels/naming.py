@@ -61,11 +61,12 @@ OTHERS = frozenset(
     )
 )
 """Words of what is derived from a channel, asked of the machine, or something else."""
-COUNTS = frozenset(
-    (
-        *("cycle", "cycles", "zyklus", "zyklen", "lastspiel", "lastspiele", "cyclenumber", "count", "counter"),
-        *("zaehler", "index", "sample", "samples", "point", "points", "scan", "number", "nr", "no"),
-    )
+EXTREMES = frozenset(("peak", "valley", "max", "maximum", "min", "minimum"))
+"""Those of them that a cycle reached."""
+CYCLES = frozenset(("cycle", "cycles", "zyklus", "zyklen", "lastspiel", "lastspiele", "cyclenumber"))
+"""Words of what counts cycles."""
+COUNTS = CYCLES | frozenset(
+    ("count", "counter", "zaehler", "index", "sample", "samples", "point", "points", "scan", "number", "nr", "no")
 )
 """Words of what only counts."""
 SETTINGS_CALLED: Mapping[Quantity, tuple[str, ...]] = {
@@ -143,6 +144,12 @@ def is_something_else(quantity: Quantity, channel: Channel) -> bool:
     )
 
 
+def is_extreme(quantity: Quantity, channel: Channel) -> bool:
+    """Tell whether a channel is what a quantity reached in each cycle or block, no sample of it."""
+    words = words_of(_name_of(channel))
+    return fits_unit(quantity, unit_of(channel)) and not EXTREMES.isdisjoint(words) and _is_named(quantity, words, True)
+
+
 def is_speed(channel: Channel) -> bool:
     """Tell whether a channel is in a unit of speed."""
     try:
@@ -155,6 +162,11 @@ def is_speed(channel: Channel) -> bool:
 def is_count(channel: Channel) -> bool:
     """Tell whether a channel counts cycles or samples, by its name."""
     return not COUNTS.isdisjoint(words_of(_name_of(channel)))
+
+
+def counts_cycles(heading: str) -> bool:
+    """Tell whether a channel counts cycles, by its heading."""
+    return not CYCLES.isdisjoint(words_of(unit_in_name(heading)[0]))
 
 
 def is_measured(heading: str) -> bool:

@@ -11,6 +11,7 @@ from pipeclamp_identification.importing.channels.naming import (
     SEGMENT,
     fits_unit,
     is_count,
+    is_extreme,
     is_of_another,
     is_something_else,
     is_speed,
@@ -35,6 +36,8 @@ USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"),
 NO_UNIT = ("", "-", "--", "1")
 SYMBOLS = {"time": ("t",), "displacement": ("x", "y", "d", "s", "u", "z"), "force": ("f", "p")}
 """Letters that stand for a quantity: of channels without a unit, those that are called so are proposed first."""
+NAMED = 3
+"""Rank of a channel from which on its name surely is a quantity's."""
 A_RATE = 0.99
 """Correlation from which on a channel is another one's rate of change: a speed beside its displacement."""
 LOOKED_AT = 20_000
@@ -147,7 +150,15 @@ def _in_another_unit(quantity: Quantity, called: Sequence[Channel], channels: Se
 def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel], stated: Mapping[str, str]) -> Question:
     """Ask which channel is a quantity that none is called; those without a unit come first. Arguments as of `find`."""
     # what surely is something else would serve, but wrongly
-    some = [one for one in channels if not is_count(one) and not is_something_else(quantity, one)]
+    reached = [one for one in table.channels if is_extreme(quantity, one)]
+    if len(reached) > 1:
+        why = f"{reached[0].heading!r} is what a cycle reached, no sample of the {quantity}: take the file of samples"
+        return Question(quantity, why, (), is_missing=True)
+    some = [
+        one
+        for one in channels
+        if not is_count(one) and not is_something_else(quantity, one) and rank(SEGMENT, one) < NAMED
+    ]
     likely = [one for one in some if unit_of(one) in NO_UNIT]
     # what is in a unit of something else is no time
     if quantity == "time":

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.channels.columns import Column, columns_option
-from pipeclamp_identification.importing.channels.naming import SEGMENT
+from pipeclamp_identification.importing.channels.naming import SEGMENT, counts_cycles
 from pipeclamp_identification.importing.raw import LabelColumn, RawTable
 from pipeclamp_identification.importing.samples.codes import without_codes
 from pipeclamp_identification.importing.samples.repair import mended_channel
@@ -105,6 +105,23 @@ def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | Non
     """
     column = next((one for one in columns if one.ours == SEGMENT), None)
     return None if column is None else turned(table, column, timed)
+
+
+def counted_before(table: RawTable, columns: Sequence[Column], begins: Sequence[int]) -> Array | None:
+    """Give the cycles that a machine had counted before each piece, shape (pieces,); None where nothing counts them.
+
+    Args:
+        table: as the file holds it.
+        columns: which of its channels is what; the one that parts runs may count cycles, from 1 or from 0 on.
+        begins: rows at which pieces begin, and the end.
+    """
+    column = next((one for one in columns if one.ours == SEGMENT), None)
+    if column is None or not counts_cycles(column.heading):
+        return None
+    count = turned(table, column, None)
+    if not np.all(np.isfinite(count)) or np.any(count != np.round(count)) or np.any(count < 0):
+        return None
+    return np.asarray(count[list(begins[:-1])] - min(float(count.min(initial=1.0)), 1.0), dtype=np.float64)
 
 
 def label_column(table: RawTable, columns: Sequence[Column]) -> LabelColumn | None:

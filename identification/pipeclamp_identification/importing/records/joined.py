@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from pipeclamp_identification.importing.channels.columns import Column
 from pipeclamp_identification.importing.channels.naming import names_specimen
-from pipeclamp_identification.importing.channels.traces import first_motion, turned
+from pipeclamp_identification.importing.channels.traces import counted_before, first_motion, turned
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.samples.untimed import cycles_of, shares_before
 from pipeclamp_models.base.arrays import Array
@@ -26,26 +27,30 @@ class PieceRows:
     Attributes:
         channels: with a sample more at either end where there is such a point.
         begin: rows of the table before the first of them, or before the one that its first point lies behind.
-        cycles_before: that the specimen surely had before.
+        cycles_before: that the specimen surely had before; nan where nothing tells.
         places: of each sample in the table, between two where it is such a point; None where all are the table's own.
     """
 
     channels: tuple[Channel, ...]
     begin: int
-    cycles_before: float = 0.0
+    cycles_before: float = math.nan
     places: Array | None = None
 
 
-def rows_apart(channels: Sequence[Channel], begins: Sequence[int]) -> Iterator[PieceRows]:
+def rows_apart(
+    table: RawTable, channels: Sequence[Channel], columns: Sequence[Column], begins: Sequence[int]
+) -> Iterator[PieceRows]:
     """Give the pieces of a table as they are; arguments as of `joined_rows`."""
-    for first, last in itertools.pairwise(begins):
-        yield PieceRows(tuple(replace(one, values=one.values[first:last]) for one in channels), first)
+    counted = counted_before(table, columns, begins)
+    for number, (first, last) in enumerate(itertools.pairwise(begins)):
+        before = math.nan if counted is None else float(counted[number])
+        yield PieceRows(tuple(replace(one, values=one.values[first:last]) for one in channels), first, before)
 
 
 def joined_rows(
     table: RawTable, channels: Sequence[Channel], columns: Sequence[Column], begins: Sequence[int]
 ) -> Iterator[PieceRows]:
-    """Give the pieces of a table whose time was not measured.
+    """Give the pieces of a table whose time was not measured; what a machine caught cycles apart is no curve.
 
     Args:
         table: as the file holds it.
@@ -55,9 +60,13 @@ def joined_rows(
     """
     y, force = (turned(table, next(one for one in columns if one.ours == ours)) for ours in MOVING)
     shares = [np.nan, *_of_one_specimen(table, shares_before(y, force, begins), begins), np.nan]
+    counted = counted_before(table, columns, begins)
+    if counted is not None:
+        shares[1:-1] = np.where(np.diff(counted) > 1, np.nan, shares[1:-1]).tolist()
     moving = {one.heading for one in columns if one.ours in MOVING}
     cycles = 0.0
-    for (first, last), (own, following) in zip(itertools.pairwise(begins), itertools.pairwise(shares), strict=True):
+    parts = zip(itertools.pairwise(begins), itertools.pairwise(shares), strict=True)
+    for number, ((first, last), (own, following)) in enumerate(parts):
         rows = tuple(
             replace(one, values=_with_ends(one.values, first, last, own, following, one.heading in moving))
             for one in channels
@@ -65,7 +74,8 @@ def joined_rows(
         if np.isnan(own):
             cycles = 0.0
         places = _with_ends(np.arange(len(y), dtype=np.float64), first, last, own, following, True)
-        yield PieceRows(rows, first - int(own < 1), cycles, places)
+        before = cycles if counted is None else float(counted[number])
+        yield PieceRows(rows, first - int(own < 1), before, places)
         motion = first_motion(RawTable(table.name, rows), columns, None)
         cycles += cycles_of(motion[np.isfinite(motion)])
 

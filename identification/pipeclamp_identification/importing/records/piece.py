@@ -42,7 +42,7 @@ class Piece:
         where: names the table in errors.
         table: these rows of it.
         begin: rows before them.
-        cycles_before: that its specimen surely had before, where its time wasn't measured.
+        cycles_before: that its specimen surely had before; nan where nothing tells.
         places: of its samples in the table, where some lie between two of its rows; None where none does.
         label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
@@ -125,8 +125,9 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
-    # a curve without a time counts its cycles as it is laid out
-    before = 0.0 if piece.timed else piece.cycles_before + cycles_of(trace.motion[: kept.first + 1])
+    # what the machine counted, or a curve without a time as it is laid out; then what of the piece lies before the run
+    known_before = not math.isnan(piece.cycles_before)
+    before = piece.cycles_before + cycles_of(trace.motion[: kept.first + 1]) if known_before else 0.0
     after = (f"cycles of its specimen before it: {before:.4g}",) if before else ()
     further = {name: values[kept.first : kept.last] for name, values in trace.further.items()}
     draft = Draft(

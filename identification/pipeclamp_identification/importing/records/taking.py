@@ -169,7 +169,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     del time, own
     label = label_column(table, columns)
     timed_here = is_timed(columns, way.timed)
-    pieces = rows_apart(channels, begins) if timed_here else joined_rows(table, channels, columns, begins)
+    pieces = (rows_apart if timed_here else joined_rows)(table, channels, columns, begins)
     for number, ((first, last), rows) in enumerate(zip(itertools.pairwise(begins), pieces, strict=True)):
         yield Piece(
             where=where,

@@ -16,11 +16,12 @@ from pipeclamp_models.base.errors import UserError
 TARGETS: Mapping[str, str] = {
     "frequency": "Hz", "amplitude": "mm", "force_amplitude": "N", "storage_stiffness": "N/mm",
     "loss_stiffness": "N/mm", "dynamic_stiffness": "N/mm", "loss_angle": "rad", "loss_factor": "",
-    "temperature": "degC",
+    "damping_ratio": "", "temperature": "degC",
 }  # fmt: skip
-"""Quantities of a result, and their units here; a loss factor has none."""
+"""Quantities of a result, and their units here; a loss factor and a damping ratio have none."""
 STIFFNESSES = ("storage_stiffness", "loss_stiffness", "dynamic_stiffness")
-LOSSES = ("loss_angle", "loss_factor")
+LOSSES = ("loss_angle", "loss_factor", "damping_ratio")
+SHARES_OF_ONE = ("loss_factor", "damping_ratio")
 RADIAN = 1 / (2 * math.pi)
 TURNS = {"rad": RADIAN, "rpm": 1 / 60, "1/min": 1 / 60, "min-1": 1 / 60}
 """Hz in what a frequency's unit begins with, where that counts angles or minutes."""
@@ -33,10 +34,29 @@ ANGULAR = frozenset(
 SAME_LETTERS = str.maketrans({"’": "'", "′": "'", "`": "'", "´": "'", "″": '"', "”": '"', "“": '"', "δ": "delta"})
 LOSS_ANGLES = frozenset(("phase", "delta", "verlustwinkel", "phasenwinkel", "dephasage", "sfasamento", "desfase"))
 LOSS_FACTORS = frozenset(("tan", "tand", "tandelta", "verlustfaktor"))
+DAMPING_RATIOS = frozenset(("heq", "zetaeq", "xieq", "daempfungsgrad", "daempfungsmass"))
+DAMPING = frozenset(("damping", "amortissement", "smorzamento", "amortiguamiento"))
+RATIO = frozenset(("ratio", "equivalent", "effective", "taux", "rapporto", "relacion", "critical"))
+"""Words that beside one of damping say that it is a share of the critical one."""
+PRIMED = re.compile(r"[egk]_?(p|prime)(p|prime)?|[egk]_?(double|dbl|d)_?(prime)")
+"""A modulus or stiffness whose strokes are spelt: Gp, Gpp, E_prime, G_double_prime."""
 STORED = frozenset(("storage", "stor", "speicher", "speichersteifigkeit", "speichermodul", "elastic", "conservation"))
 LOST = frozenset(("loss", "verlust", "verluststeifigkeit", "verlustmodul", "viscous", "perte"))
 WHOLE = frozenset(
-    ("dynamic", "complex", "stiffness", "kdyn", "cdyn", "dyn", "dynamische", "steifigkeit", "komplexe", "raideur")
+    (
+        "dynamic",
+        "complex",
+        "stiffness",
+        "kdyn",
+        "cdyn",
+        "keff",
+        "keq",
+        "dyn",
+        "dynamische",
+        "steifigkeit",
+        "komplexe",
+        "raideur",
+    )
 )
 STATIC = frozenset(
     (
@@ -51,6 +71,7 @@ NO_AMPLITUDES = frozenset(
     ("rate", "static", "statisch", "statische", "preload", "offset", "mean", "constant", "command")
 )
 """Words of a strain that isn't the amplitude of a sine either."""
+UNITLESS = ("%", "-", "1", "")
 AMPLITUDES = {"amplitude": "displacement", "force_amplitude": "force"}
 SYMBOLS = {"amplitude": frozenset(("x", "s", "u", "d", "a")), "force_amplitude": frozenset(("f", "p"))}
 """Letters that stand for a displacement's and a force's amplitude beside a unit of it."""
@@ -66,6 +87,8 @@ def quantity_of(channel: Channel) -> str:
         return "frequency"
     if LOSS_FACTORS & words or {"loss", "factor"} <= words:
         return "loss_factor"
+    if unit in UNITLESS and (DAMPING_RATIOS & words or (DAMPING & words and RATIO & words) or name in ("ζ", "ξ")):
+        return "damping_ratio"
     if fits("loss_angle", unit) and (LOSS_ANGLES & words or {"loss", "angle"} <= words):
         return "loss_angle"
     if fits("storage_stiffness", unit) or is_modulus(channel):
@@ -105,7 +128,7 @@ def turned(quantity: str, unit: str, name: str = "") -> Conversion | None:
             return Conversion(RADIAN if is_angular(name) else 1.0)
         begins = next((one for one in TURNS if unit.replace(" ", "").startswith(one)), None)
         return Conversion(TURNS[begins]) if begins else _turned(quantity, unit, "Hz")
-    if quantity == "loss_factor":
+    if quantity in SHARES_OF_ONE:
         return Conversion(0.01 if unit == "%" else 1.0)
     found = _turned("stiffness" if quantity in STIFFNESSES else quantity, unit, TARGETS[quantity])
     if found is None or quantity not in AMPLITUDES:
@@ -132,7 +155,7 @@ def is_strain(channel: Channel) -> bool:
     words = set(words_of(name))
     if fits("loss_angle", unit) and not LOSS_ANGLES & words:
         return rank("displacement", replace(channel, name=name, unit="mm")) > 2 or not words.isdisjoint(ANGLES)
-    return unit in ("%", "-", "1", "") and not STRAINS.isdisjoint(words) and not words & NO_AMPLITUDES
+    return unit in UNITLESS and not STRAINS.isdisjoint(words) and not words & NO_AMPLITUDES
 
 
 def amplitude_share(name: str) -> float:
@@ -158,6 +181,8 @@ def _is_frequency(words: set[str]) -> bool:
 def _stiffness_of(name: str, words: set[str]) -> str:
     """Give which stiffness, or modulus, a name means: K' and K'' are the storage and the loss of it."""
     symbol = name.split()[0] if name.split() else ""
+    if spelt := PRIMED.fullmatch(symbol):
+        return "loss_stiffness" if spelt[2] or spelt[4] else "storage_stiffness"
     if symbol.endswith(('"', "''")) or words & LOST:
         return "loss_stiffness"
     if symbol.endswith("'") or words & STORED:

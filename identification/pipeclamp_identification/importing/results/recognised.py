@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.importing.channels.columns import Stated, channel_named
 from pipeclamp_identification.importing.channels.naming import rank, unit_of
+from pipeclamp_identification.importing.channels.questions import NONE
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.quantities import LOSSES, STIFFNESSES, TARGETS, quantity_of, turned
 from pipeclamp_identification.units.stated import conversion
@@ -18,6 +19,24 @@ from pipeclamp_models.base.errors import UserError
 CYCLES_A_ROW = 2.0
 """Cycles that pass from row to row, beyond which rows are no samples of them: records have many rows a cycle, and a
 column of the samples per second has one."""
+
+
+def holds_results(table: RawTable, stated: Sequence[Stated] = ()) -> bool:
+    """Tell whether a table's rows are tests of their own.
+
+    They are by its frequency or, where it has neither that nor a time, as a sweep of the amplitude has none, by columns
+    of what each test's stiffness is and what it lost.
+
+    Args:
+        table: as a file holds it.
+        stated: what the user says of its channels.
+    """
+    if frequency_of_results(table, stated) is not None:
+        return True
+    said = {one.ours for one in stated if one.channel.casefold() != NONE}
+    if said & {"time", "displacement", "force"} or any(rank("time", channel) > 2 for channel in table.channels):
+        return False
+    return _are_known({*said, *map(quantity_of, table.channels)})
 
 
 def frequency_of_results(table: RawTable, stated: Sequence[Stated] = ()) -> Channel | None:
@@ -46,6 +65,12 @@ def frequency_of_results(table: RawTable, stated: Sequence[Stated] = ()) -> Chan
     return frequency if any(quantity in found for quantity in (*STIFFNESSES, *LOSSES)) else None
 
 
+def _are_known(quantities: Collection[str]) -> bool:
+    """Tell whether quantities of a result say how stiff a test was and what it lost."""
+    have = set(quantities)
+    return {"storage_stiffness", "loss_stiffness"} <= have or bool(have & set(LOSSES) and have & set(STIFFNESSES))
+
+
 def _cycles_a_row(frequency: Channel, time: Channel) -> float:
     """Give how many cycles pass from one row to the next, the median of all."""
     step = conversion("time", unit_of(time)).factor * np.diff(time.values)
@@ -65,18 +90,19 @@ def without_units(table: RawTable) -> dict[str, Channel]:
         named = [one for one, unit in TARGETS.items() if quantity_of(replace(channel, unit=unit or "-")) == one]
         if not unit_of(channel) and named:
             found.setdefault(named[0], channel)
-    whole = "frequency" in found and ({"storage_stiffness", "loss_stiffness"} <= found.keys() or (
-        found.keys() & set(LOSSES) and found.keys() & set(STIFFNESSES)
-    ))  # fmt: skip
-    return found if whole else {}
+    return found if "frequency" in found and _are_known(found) else {}
 
 
 def results_words(table: RawTable, stated: Sequence[Stated] = ()) -> str:
     """Say of a table of results what it is."""
     frequency = frequency_of_results(table, stated)
-    assert frequency is not None
-    values = frequency.values[np.isfinite(frequency.values)]
+    values = np.empty(0) if frequency is None else frequency.values[np.isfinite(frequency.values)]
+    of = (
+        f" ({frequency.heading!r} from {np.min(values):.4g} to {np.max(values):.4g})"
+        if frequency and len(values)
+        else ""
+    )
     return (
-        f"holds results, a row a test ({frequency.heading!r} from {np.min(values):.4g} to {np.max(values):.4g}), and "
-        "no samples of a motion; such files are imported by themselves, as a campaign of metrics"
+        f"holds results, a row a test{of}, and no samples of a motion; such files are imported by themselves, as a "
+        "campaign of metrics"
     )

@@ -41,6 +41,8 @@ FOR_A_MODULUS = "12.5 N/mm"
 MODULUS_WORDS = f"\n  {FOR_A_MODULUS}: put there how stiff the part is for 1 of its modulus, its area over its height"
 FOR_A_STRAIN = "0.02 mm"
 """Likewise in the place of the part's deflection for a unit of its strain, or of an angle."""
+MOST_OF_AN_ELLIPSE = 0.5
+"""Damping ratio of an ellipse that has no storage stiffness."""
 
 
 @dataclass(frozen=True)
@@ -108,13 +110,14 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     further = [one for one in columns.values() if one.quantity not in TARGETS]
     kept = [columns[quantity] for quantity in COLUMNS if quantity in columns]
     settings = {COLUMNS.get(one.quantity, one.quantity): one.values for one in (*kept, *further)}
+    ratio = columns["damping_ratio"].values if "damping_ratio" in columns else np.zeros(table.length)
     rows: list[ResultRow] = []
     left_out: list[tuple[int, str]] = []
     for place in range(table.length):
         row = table.first_row + place
         own = {name: float(values[place]) for name, values in settings.items()}
         k = complex(stiffness[place])
-        if why := _unusable(own, k):
+        if why := _unusable(own, k, float(ratio[place])):
             left_out.append((row, why))
         else:
             rows.append(ResultRow(row, own, k.real, k.imag))
@@ -126,6 +129,12 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
         if one.quantity in AMPLITUDES
         for share, words in SHARES.items()
         if amplitude_share(one.channel.name) == share
+    ]
+    notes += [
+        f"{one.channel.heading!r} is called a damping ratio, and taken for a loss factor, which is twice that: where "
+        f"it is what it is called, {columns_option([f'damping_ratio={one.channel.heading}'])}"
+        for one in taken
+        if one.quantity == "loss_factor" and quantity_of(one.channel) == "damping_ratio"
     ]
     unused = tuple(one.heading for one in table.channels if one.heading not in headings)
     return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
@@ -231,7 +240,7 @@ def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[Co
         return _complex(both[0].values, both[1].values), list(both)
     lag = next((columns[one] for one in LOSSES if one in columns), None)
     if lag is not None:
-        angle = lag.values if lag.quantity == "loss_angle" else np.arctan(lag.values)
+        angle = _angle(lag, of_whole="dynamic_stiffness" in columns or "storage_stiffness" not in columns)
         if "dynamic_stiffness" in columns:
             dynamic = columns["dynamic_stiffness"].values
             return _complex(dynamic * np.cos(angle), dynamic * np.sin(angle)), [columns["dynamic_stiffness"], lag]
@@ -255,9 +264,30 @@ def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[Co
         )
     raise UserError(
         "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or, with loss "
-        "angle or loss factor, dynamic stiffness or the amplitudes of force and displacement, for example:\n"
+        "angle, loss factor or damping ratio, dynamic stiffness or the amplitudes of force and displacement, for "
+        "example:\n"
         f'  --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle=CHANNEL [deg]"\n  there are {_there(table)}'
     )
+
+
+def _angle(lag: ResultColumn, *, of_whole: bool) -> Array:
+    """Give the loss angle of each row, rad; nan where no ellipse loses so much.
+
+    A damping ratio is what a cycle loses over 4 pi times the energy of the secant: dW = 2 pi zeta k X^2 (ISO 22762), so
+    that k'' is 2 zeta times the stiffness beside it.
+
+    Args:
+        lag: the column.
+        of_whole: whether a damping ratio is of the amplitudes' stiffness, else of the storage stiffness.
+    """
+    if lag.quantity == "loss_angle":
+        return lag.values
+    if lag.quantity == "loss_factor":
+        return np.arctan(lag.values)
+    if not of_whole:
+        return np.arctan(2.0 * lag.values)
+    ratio: Array = np.where(np.abs(lag.values) < MOST_OF_AN_ELLIPSE, lag.values, np.nan)
+    return np.arcsin(ratio / MOST_OF_AN_ELLIPSE)
 
 
 def _complex(real: Array, imaginary: Array) -> ComplexArray:
@@ -266,8 +296,13 @@ def _complex(real: Array, imaginary: Array) -> ComplexArray:
     return whole
 
 
-def _unusable(settings: Mapping[str, float], k: complex) -> str:
+def _unusable(settings: Mapping[str, float], k: complex, damping_ratio: float) -> str:
     """Say why a test can't be used, "" where it can."""
+    if np.isnan(k.real) and damping_ratio >= MOST_OF_AN_ELLIPSE:
+        return (
+            f"no ellipse has a damping ratio of {MOST_OF_AN_ELLIPSE:g} or more (state such loops in runs.csv, by "
+            "dissipated_energy_J and max_elastic_energy_J)"
+        )
     if not all(np.isfinite([*settings.values(), k.real, k.imag])):
         return "a number is blank"
     for name in ("amplitude_mm", "frequency_Hz"):

@@ -6,13 +6,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
-from pipeclamp_identification.importing.channels.columns import listed
+from pipeclamp_identification.importing.channels.columns import columns_option, listed
 from pipeclamp_identification.importing.channels.mapping import where_of
-from pipeclamp_identification.importing.channels.naming import names_specimen
+from pipeclamp_identification.importing.channels.naming import condition_name, is_measured, names_specimen
 from pipeclamp_identification.importing.conditions import Settings, name_in, of_properties, settings_of
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, stem_of
-from pipeclamp_identification.importing.results.recognised import frequency_of_results
+from pipeclamp_identification.importing.results.recognised import holds_results
 from pipeclamp_identification.importing.results.rows import (
     LOSS,
     STORAGE,
@@ -64,7 +64,7 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
         UnusableFileError: it holds no results.
         UserError: what a column is, is open, or its name doesn't follow the pattern.
     """
-    tables = [table for table in source.tables if frequency_of_results(table, options.columns)]
+    tables = [table for table in source.tables if holds_results(table, options.columns)]
     if not tables:
         raise UnusableFileError(
             str(source.path), "holds no results, a row a test with its frequency",
@@ -122,10 +122,18 @@ def _told_of(found: ResultRows, table: RawTable, *, temperature_known: bool) -> 
     unread = [one for one in table.unread if not (one.is_whole and names_specimen(one.name))]
     told += [f"{one.words()}; such cells count as blank" for one in unread]
     if found.unused:
-        told.append(f"not used: {listed([*map(repr, found.unused)])}")
+        told.append(f"not used: {listed([*map(repr, found.unused)])}{_as_condition(found)}")
     if table.above and not temperature_known:
         told.append(table.above.words)
     return told
+
+
+def _as_condition(found: ResultRows) -> str:
+    """Say how a column that isn't used becomes a condition, where one of them is measured."""
+    likely = next((one for one in found.unused if is_measured(one)), None)
+    if likely is None:
+        return ""
+    return f"; to keep one as a condition: {columns_option([f'{condition_name(likely)}={likely}'])}"
 
 
 def _rows_of(
