@@ -183,7 +183,7 @@ def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(
 
 def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign):
     """Fitted to warm and cold tests alike, relaxation times come to a valley of their own."""
-    arms = {"k_m": 400.0, "tau": 0.05, "r_T1": -4.0, "w_T": 150.0}
+    arms = {"k_m": 400.0, "tau": 0.05, "r_T1": -4.0, "w_T": 150.0, "T_r": 293.15}
     tests = campaign(("relaxation", "relaxation_temperature"), **arms)
     structure = Structure("power", ("relaxation",))
     problem, fitted = prepare(structure, loops_of(tests))
