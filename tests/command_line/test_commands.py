@@ -95,6 +95,7 @@ def test_a_temperature_that_nobody_knows_is_not_made_up(pipeclamp, small, tmp_pa
 def test_compare_has_the_contracts_fields(pipeclamp, law, clamp_a, tmp_path):
     path = tmp_path / "compare.json"
     done = pipeclamp("compare", law, clamp_a, "--json", path)
+    assert "the 8 worst of 48 runs" in " ".join(done.stdout.split())
     answer = read(path)
     assert set(answer) >= {"nrmse", "noise_nrmse", "runs"}
     assert len(answer["runs"]) == 48

@@ -75,7 +75,13 @@ def worst_table(comparison: Comparison, most: int | None = None) -> Table:
     ]
     conditions = ("A / mm", "f / Hz", "T / °C", *(condition.title for condition in further))
     header = ("run", *conditions, "error / %", "scatter / %", *outside_head(comparison.outside))
-    return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
+    order = in_order(len(rows), len(comparison.runs))
+    return Table(header, rows, f"error and cycle-to-cycle scatter, as a share of the run's rms force; {order}")
+
+
+def in_order(shown: int, of: int) -> str:
+    """Say in which order runs stand, and of how many they are the worst."""
+    return "worst first" if shown == of else f"the {shown} worst of {of} runs, worst first"
 
 
 def free_table(comparison: Comparison) -> Table:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp.show.comparison import RUNS_PRINTED
+from pipeclamp.show.comparison import RUNS_PRINTED, in_order
 from pipeclamp.show.table import Table, outside_cell, outside_head
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.sentences import sentence
@@ -27,7 +27,7 @@ def metric_worst_table(comparison: MetricComparison, most: int | None = None) ->
             )
         )  # fmt: skip
     header = ("run", "A / mm", "f / Hz", "T / °C", "dW / %", "W / %", *outside_head(comparison.outside))
-    return Table(header, rows, "100 log(measured/computed), worst first")
+    return Table(header, rows, f"100 log(measured/computed), {in_order(len(rows), len(comparison.campaign.runs))}")
 
 
 def metric_comparison_words(comparison: MetricComparison) -> list[str]:
