@@ -92,7 +92,7 @@ EFFECT = Effect(
     imitated_by=("relaxation", "viscous", "memory", "bouc_wen", "power_damping"),
     told_apart_by="one amplitude over a decade of frequency: the flat sides rise with speed, by p_oil of what they did "
     "below the relief force, where slip stays",
-    special_cases=("relaxation",),
+    special_cases=("relaxation", "viscous", "quadratic_damping"),
     parameters=(
         Parameter(
             k_o, "N/mm", "stiffness of the oil and its mounting",
