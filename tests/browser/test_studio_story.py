@@ -155,7 +155,8 @@ def test_what_is_refused_stays_in_view_beside_the_jobs(page, url):
     other = page.context.new_page()
     page.evaluate("""async () => {
         const { complain, start } = await import("/static/ask.js");
-        await start("/c/clamp_a_heldout/jobs", { kind: "identify", base: "power" }, "clamp_a_heldout", () => {});
+        // a series takes seconds, in which the other tab opens
+        await start("/c/clamp_a_heldout/jobs", { kind: "identify", base: "series" }, "clamp_a_heldout", () => {});
         complain("2 jobs are running");
     }""")
     cancel = page.wait_for_selector(".job.running button")
