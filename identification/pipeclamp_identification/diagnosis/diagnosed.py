@@ -203,9 +203,7 @@ class RecordDiagnosed:
         """Say what a law that stays as it is does unasked between the levels of further conditions."""
         if not self._law_stays:
             return ()
-        result = self.diagnosis.law.result
-        fitted = [result.equations.parameters[place] for place in result.places]
-        return few_levels_words(fitted, self.diagnosis.problem.loops.conditions)
+        return few_levels_words(self.diagnosis.law.result.fitted_parameters, self.diagnosis.problem.loops.conditions)
 
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""

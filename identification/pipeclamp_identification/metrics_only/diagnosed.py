@@ -121,9 +121,8 @@ class MetricDiagnosed:
         """Say what a law that stays as it is does unasked between the levels of further conditions."""
         if self.verdict not in ("complete", "unknown"):
             return ()
-        result, columns = self.diagnosis.law.result, self.campaign.condition_columns
-        fitted = [result.equations.parameters[place] for place in result.places]
-        runs = self.campaign.runs
+        columns, runs = self.campaign.condition_columns, self.campaign.runs
+        fitted = self.diagnosis.law.result.fitted_parameters
         return few_levels_words(
             fitted, {name: np.array([run.setup.conditions[name] for run in runs]) for name in columns}
         )

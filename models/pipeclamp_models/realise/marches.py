@@ -242,12 +242,12 @@ def _still(
     known = march.arguments(
         [None if symbol in MOVING else symbol for symbol in arguments], row, ir.Constant(INTEGER, 0)
     )
-    moving = {*MOVING, *states}
-    for symbol, expression in needed(stages, updates):
+    moving, on_the_way = {*MOVING, *states}, needed(stages, updates)
+    for symbol, expression in on_the_way:
         if expression.free_symbols & moving:
             moving.add(symbol)
     writer = Writer(march.builder, known, stages, by)
-    for expression in (*(expression for _, expression in needed(stages, updates)), *updates):
+    for expression in (*(expression for _, expression in on_the_way), *updates):
         for part in _largest_without(moving, expression):
             writer.value(part)
             if isinstance(part, sp.Expr):

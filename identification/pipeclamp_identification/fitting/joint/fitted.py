@@ -12,6 +12,7 @@ import numpy as np
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.law import Equations, Law
+from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.realise.force import LawForce
 
 STRONG_CORRELATION = 0.95
@@ -52,6 +53,11 @@ class Fit:
         """Places of the fitted parameters among all of the law's."""
         place = {name: index for index, name in enumerate(self.equations.names)}
         return np.array([place[name] for name in self.fitted], dtype=np.intp)
+
+    @property
+    def fitted_parameters(self) -> list[ParameterOutline]:
+        """The parameters that were fitted, in the order of their names."""
+        return [self.equations.parameters[place] for place in self.places]
 
     @property
     def precision(self) -> Array:
