@@ -33,8 +33,9 @@ def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
     return Table(
         header,
         rows,
-        "the law alone and with every candidate, refitted with the scatter that these metrics show: its own error "
-        "differs a little from its file's; rms log ratios of dW and W",
+        "the law alone and with every candidate, rms log ratios of dW and W; all are refitted with the scatter that "
+        "these metrics show, where the file's law was fitted with the one assumed: its errors differ between the two, "
+        "most on left-out conditions",
     )
 
 

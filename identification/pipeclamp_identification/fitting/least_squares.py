@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 FIT_TOLERANCE = 1e-10
 MOST_EVALUATIONS = 100
 HARDLY_SHOWN = 1e-3
-"""Of a parameter that a start hardly shows, its whole size moves the residuals by less than this, in units of their
-standard errors."""
+"""Of a parameter that the data hardly show, its whole size moves the residuals by less than this, in units of their
+standard errors: what a start doesn't show goes last, what the end doesn't show isn't determined."""
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 ALIKE_SHARE = 1e-3
@@ -219,6 +219,7 @@ def _finish(
     lower, upper = parameter_bounds(equations, scales)
     frozen = dict(reasons)
     priors = priors_of(equations, scales)
+    sizes = _sizes(equations.parameters, scales)
     fitted = np.array([name not in frozen for name in equations.names], dtype=bool)
     held = fitted & close_to_a_bound(values, lower, upper, AT_BOUND)
     close = np.flatnonzero(fitted & ~held & close_to_a_bound(values, lower, upper, CLOSE))
@@ -236,7 +237,7 @@ def _finish(
         evaluator = Evaluator(law, values, free)
         jacobian = evaluator.jacobian(values[free])
         norms = np.linalg.norm(jacobian, axis=0)
-        norms[norms < SINGULAR_SHARE * roots[free]] = 0.0
+        norms[(norms < SINGULAR_SHARE * roots[free]) | ((norms * sizes[free] < HARDLY_SHOWN) & (sizes[free] > 0))] = 0.0
         scaled = jacobian / np.where(norms > 0, norms, 1.0)
         _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
         if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR_SHARE * singular[0]):

@@ -14,6 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_PART_SHARE,
     RIVAL_DRAWS_SHARE,
 )
+from pipeclamp_identification.diagnosis.weighing.special_cases import is_special_case
 from pipeclamp_identification.fitting.resampling import share_of_gains
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND
 from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, MetricJudged, Scatter
@@ -25,6 +26,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     RIVAL_LIKELIHOOD,
 )
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.file import Verdict
 
 MORE_TESTS = "run tests at further conditions, repeat some for the scatter, or record the loops"
@@ -156,7 +158,8 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales) -> MetricWeighed
     if not taking:
         return None
     best = taking[0]
-    near = [each for each in taking if each is best or _comes_near(each, best, scales)]
+    near = _without_simpler_ends([each for each in taking if each is best or _comes_near(each, best, scales)])
+    best = near[0]
     named = tuple(next(each for each in near if each.effects[0] == name) for name in _firsts(near))
     takes = (
         f"{_both(best)} takes {scales.on_left_out(best):.0%} of what is missing (mean square of the logs, on left-out "
@@ -180,6 +183,19 @@ def _comes_near(other: MetricJudged, best: MetricJudged, scales: MetricScales) -
     """Tell whether a law does better than the best on left-out conditions in some of their draws, or as a whole."""
     better = share_of_gains(scales.heldout(best) - scales.heldout(other)) > RIVAL_DRAWS_SHARE
     return better or other.score < best.score + RIVAL_LIKELIHOOD
+
+
+def _without_simpler_ends(near: Sequence[MetricJudged]) -> list[MetricJudged]:
+    """Leave out effects of which a special case is among them, and which ended at the end of their range: as that."""
+    return [
+        each
+        for each in near
+        if not (each.reservations and any(is_special_case(_first(other), _first(each)) for other in near))
+    ]
+
+
+def _first(judged: MetricJudged) -> Effect:
+    return judged.structure.effect(judged.effects[0])
 
 
 def _takes_over(pair: MetricJudged, alone: MetricJudged, scales: MetricScales) -> bool:

@@ -1,5 +1,6 @@
 """Two effects that come together, weighed against one alone, where no law explains all."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -22,7 +23,7 @@ def judged(squares: float, *effects: str) -> MetricJudged:
     """A law with these effects whose residuals have this sum of squares."""
     residual = np.full((ROWS, 2), np.sqrt(squares / (2 * ROWS)))
     result = cast(Fit, SimpleNamespace(fitted=("k",) * (5 + 2 * len(effects)), at_bound=()))
-    return MetricJudged(effects, Structure("power"), result, residual, ())
+    return MetricJudged(effects, Structure("power", effects), result, residual, ())
 
 
 def weighed(*, law, alone, pair, richest):
@@ -54,3 +55,21 @@ def test_the_richest_law_is_no_poorer_than_two_that_come_together(monkeypatch):
     nothing = cast(MetricObservations, None)
     found = candidates._richest(law, [alone], [pair], [], nothing, lambda _: True, ALONE)
     assert found.effects == PAIR
+
+
+@pytest.mark.parametrize(
+    ("reservations", "named"),
+    [(("beta_r ran into its bound (1)",), ("relaxation",)), ((), ("relaxation_spread", "relaxation"))],
+)
+def test_a_general_effect_that_ended_as_a_special_case_of_its_own_gives_way_to_it(reservations, named):
+    """A spread of relaxation times that fits best without a spread is one relaxation time."""
+    law, special, richest = judged(1000.0), judged(401.0, "relaxation"), judged(400.0, "relaxation", "memory")
+    general = replace(judged(400.0, "relaxation_spread"), reservations=reservations)
+    found = weigh(
+        MetricScales(
+            law=law, richest=richest, candidates=[general, special], pairs=[],
+            chances={general.name: 1e-9, special.name: 1e-9}, lack=(0.0, 0.0),
+            scatter=Scatter(np.ones(2), np.full(2, 9.0)), heldout=lambda one: np.full(12, one.squares),
+        )
+    )  # fmt: skip
+    assert tuple(each.effects[0] for each in found.laws) == named

@@ -14,7 +14,7 @@ from pipeclamp_models.equations.effect import Effect
 
 def without_general(alike: Sequence[Judged]) -> list[Judged]:
     """Leave out effects that do no better than a special case of theirs."""
-    return [each for each in alike if not any(_is_special_case(_added(other), _added(each)) for other in alike)]
+    return [each for each in alike if not any(is_special_case(_added(other), _added(each)) for other in alike)]
 
 
 def simpler_than(candidate: Judged, able: Sequence[Judged], law: Judged, tolerance: Tolerance) -> list[Judged]:
@@ -36,7 +36,7 @@ def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: 
     Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too. And
     where the effect explains what is missing, so must it, or take as much in N.
     """
-    if not _is_special_case(_added(special), _added(general)):
+    if not is_special_case(_added(special), _added(general)):
         return False
     takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
     beyond = share_of_error(general, special)
@@ -45,7 +45,7 @@ def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: 
     return not beyond or explains(special, law, tolerance) or not explains(general, law, tolerance)
 
 
-def _is_special_case(effect: Effect, general: Effect) -> bool:
+def is_special_case(effect: Effect, general: Effect) -> bool:
     """Tell whether an effect is one of a general one's special cases; larger members of its family aren't."""
     return effect.id in general.special_cases and len(effect.parameters) < len(general.parameters)
 
