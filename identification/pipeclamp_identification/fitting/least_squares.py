@@ -172,7 +172,7 @@ def _minimise(
 
     priors = priors_of(equations, scales)
 
-    def minimise(method: str, values: Array, places: IntArray, at: Array) -> OptimizeResult:
+    def minimise(method: str, values: Array, places: IntArray, at: Array, until: float = tolerance) -> OptimizeResult:
         own, prior = Evaluator(law, values, places), priors.of(places)
         prior_slopes = np.diag(prior.root)
         inside = np.isin(free, places)
@@ -183,21 +183,22 @@ def _minimise(
             bounds=(lower[inside], upper[inside]),
             x_scale="jac",
             method=method,
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
+            ftol=until,
+            xtol=until,
+            gtol=until,
             max_nfev=MOST_EVALUATIONS,
         )
 
     # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
     with np.errstate(over="ignore", invalid="ignore"):
-        # What the start hardly shows would take steps of no size, and shorten those of all others: these go first.
+        # What the start hardly shows would take steps of no size, and shorten those of all others: these go first, to
+        # half of the digits, for all go on from there.
         sizes = _sizes(equations.parameters, scales)[free]
         shown = np.linalg.norm(evaluator.jacobian(x0), axis=0) * sizes > HARDLY_SHOWN
         if np.any(shown) and not np.all(shown):
             values = begin.copy()
             values[free] = x0
-            x0[shown] = minimise("trf", values, free[shown], x0[shown]).x
+            x0[shown] = minimise("trf", values, free[shown], x0[shown], np.sqrt(tolerance)).x
         result = minimise("trf", begin, free, x0)
         if result.status == 0:
             # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
