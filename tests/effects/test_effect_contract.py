@@ -16,6 +16,7 @@ import sympy as sp
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.equations import literature, symbols
 from pipeclamp_models.equations.effect import Effect, Family
 from pipeclamp_models.law.catalogue import entries, find_effect, listed, symbols_taken
@@ -400,6 +401,36 @@ def test_a_record_becomes_its_steady_cycle(structure):
     moving = np.abs(one.v) > 1e-6
     rtol, atol = (1e-9, 1e-6) if not equations.outline.late else (0.0, 3e-3 * np.max(np.abs(steady)))
     np.testing.assert_allclose(record[moving], steady[moving], rtol=rtol, atol=atol)
+
+
+@pytest.mark.parametrize("name", ON_A_BASE)
+def test_a_terms_force_is_in_proportion_to_its_forces_stiffnesses_and_masses(name):
+    """So starts are made as large as tests ask, and linearised there, by one evaluation."""
+    structure = on_a_bare_law(name)
+    equations = structure.equations
+    effect = structure.effect(name)
+    sizes = [each.name for each in effect.parameters if grows_with_force(each.unit)]
+    shapes = [each.name for each in effect.parameters if each.name not in sizes]
+    if not sizes or not shapes or effect.scales:  # shapes of what it scales aren't its own force's
+        return
+    motion = sines([0.3, 0.6, 1.0], [1.0, 3.0, 5.0], [20.0, 150.0, 300.0])
+    values = sound_values(structure)
+
+    def law_at(at):
+        return force_of_equations(
+            equations, [at[each] for each in equations.names], SMOOTHING, motion, derivatives=True
+        )
+
+    def slopes(found, names):
+        return found.jacobian.of(np.array([equations.names.index(each) for each in names]))
+
+    once, thrice = law_at(values), law_at(values | {each: 3.0 * values[each] for each in sizes})
+    own = sum(values[each] * slope for each, slope in zip(sizes, slopes(once, sizes), strict=True))
+    scale = np.max(np.abs(once.force))
+    np.testing.assert_allclose(thrice.force, once.force + 2.0 * own, atol=1e-6 * scale)
+    np.testing.assert_allclose(
+        slopes(thrice, shapes), 3.0 * slopes(once, shapes), rtol=1e-5, atol=1e-6 * np.max(np.abs(slopes(once, shapes)))
+    )
 
 
 @pytest.mark.parametrize("name", COPIES)

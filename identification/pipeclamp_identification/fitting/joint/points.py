@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remembered, smoothing_of
 from pipeclamp_identification.fitting.joint.not_fitted import undetermined
-from pipeclamp_identification.fitting.joint.starts import Linearised, Values, combined, sized, starts_of_effects
+from pipeclamp_identification.fitting.joint.starts import Linearised, Term, Values, combined, sized, starts_of_effects
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.units import grows_with_force
@@ -50,8 +50,8 @@ def sized_start(
         start: a value for each parameter.
         known: names of the parameters whose values are known.
     """
-    of_effects = _unsized(structure, observations, known)
-    return sized(start, linearised(structure, observations, start), known, of_effects) if of_effects else start
+    terms = _unsized(structure, observations, known)
+    return sized(start, linearised(structure, observations, start), known, terms)[0] if terms else start
 
 
 def sized_and_linearised(
@@ -62,12 +62,11 @@ def sized_and_linearised(
     Arguments as for `sized_start`.
     """
     there = linearised(structure, observations, start)
-    of_effects = _unsized(structure, observations, known)
-    larger = sized(start, there, known, of_effects) if of_effects else start
-    return (start, there) if larger == start else (larger, linearised(structure, observations, larger))
+    terms = _unsized(structure, observations, known)
+    return sized(start, there, known, terms) if terms else (start, there)
 
 
-def _unsized(structure: Structure, observations: Observations, known: Collection[str]) -> list[list[str]]:
+def _unsized(structure: Structure, observations: Observations, known: Collection[str]) -> list[Term]:
     """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others.
 
     Where the residuals aren't linear in the force, one step doesn't tell how large it is: none then.
@@ -80,7 +79,7 @@ def _unsized(structure: Structure, observations: Observations, known: Collection
         parameters = [one for one in group if one.name not in known and one.name not in held]
         sizes = [one.name for one in parameters if grows_with_force(one.unit)]
         if sizes and len(parameters) > 1:  # the size of a single one is a fit's first step
-            found.append(sizes)
+            found.append(Term(sizes, [one.name for one in parameters if one.name not in sizes]))
     return found
 
 

@@ -7,6 +7,7 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,8 +60,15 @@ class Linearised:
             return np.asarray(-(inverse @ (basis.T @ self.residual)) / norms)
 
 
-def sized(start: Values, there: Linearised, known: Collection[str], of_effects: Sequence[Sequence[str]]) -> Values:
-    """Give a start with each effect's force as large as the data ask for, and of the shape that it had.
+class Term(NamedTuple):
+    """The parameters of an effect: those that its force is in proportion to, together, and those that shape it."""
+
+    sizes: Sequence[str]
+    shapes: Sequence[str]
+
+
+def sized(start: Values, there: Linearised, known: Collection[str], terms: Sequence[Term]) -> tuple[Values, Linearised]:
+    """Give a start with each term's force as large as the data ask for, and of the shape that it had.
 
     A term's force is in proportion to its forces, stiffnesses and masses together, so that one step of linear least
     squares finds how large it is, the rest of the law following it. Where that is nothing, or the opposite, the start
@@ -69,21 +77,25 @@ def sized(start: Values, there: Linearised, known: Collection[str], of_effects: 
     Args:
         start: a value for each parameter.
         there: the law linearised at the start.
-        known: parameters of the law that the effects join.
-        of_effects: for each effect, the parameters that its force is in proportion to.
+        known: parameters of the law that the terms join.
+        terms: the parameters of each term.
+
+    Returns:
+        the start, and the law linearised there: what a term adds to the residuals, and what its shape changes in them,
+        grow with it.
     """
-    scaled = [[name for name in names if name in there.free] for names in of_effects]
+    scaled = [[name for name in term.sizes if name in there.free] for term in terms]
     ways = [sum((there.by(name) * start[name] for name in names), np.zeros_like(there.residual)) for names in scaled]
     law = [there.by(name) for name in there.free if name in known]
     change = Linearised((), there.residual, np.column_stack([*law, *ways])).step()
-    sizes = 1 + change[len(law) :]
+    sizes = [float(size) if size > SMALLEST_FORCE_SCALE else 1.0 for size in 1 + change[len(law) :]]
     larger = {
-        name: start[name] * float(size)
-        for names, size in zip(scaled, sizes, strict=True)
-        if size > SMALLEST_FORCE_SCALE
-        for name in names
+        name: start[name] * size for names, size in zip(scaled, sizes, strict=True) if size != 1.0 for name in names
     }
-    return {**start, **larger}
+    residual = there.residual + sum((size - 1) * way for size, way in zip(sizes, ways, strict=True))
+    slopes = {name: size for term, size in zip(terms, sizes, strict=True) for name in term.shapes}
+    jacobian = there.jacobian * np.array([slopes.get(name, 1.0) for name in there.free])
+    return {**start, **larger}, Linearised(there.free, residual, jacobian)
 
 
 def starts_of_effects(equations: Equations, given: Values, scales: Sizes) -> list[list[Values]]:
