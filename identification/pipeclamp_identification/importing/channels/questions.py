@@ -66,11 +66,11 @@ class Question:
 
     def as_others(self, units: Mapping[str, str]) -> Question:
         """Give it with the choice first that other files state, which is said; `units` by names of channels."""
-        told = [one for one in self.choices if one.text.endswith(f" [{units.get(one.channel)}]")]
-        if not told:
+        theirs = [one for one in self.choices if one.text.endswith(f" [{units.get(one.channel)}]")]
+        if not theirs:
             return self
-        why = f"{self.why}; other files state {units[told[0].channel]}"
-        return replace(self, why=why, choices=(*told, *(one for one in self.choices if one not in told)))
+        why = f"{self.why}; other files state {units[theirs[0].channel]}"
+        return replace(self, why=why, choices=(*theirs, *(one for one in self.choices if one not in theirs)))
 
 
 def find(
