@@ -243,3 +243,13 @@ def test_a_number_of_the_step_is_proposed_for_no_displacement():
     with pytest.raises(UserError) as refused:
         found(["Time (s)", "Step", "a", "b"])
     assert "displacement=a" in str(refused.value) and "displacement=Step" not in str(refused.value)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("step", "first"), [(0.02, "s"), (20.0, "ms")])
+def test_a_time_in_every_other_row_without_a_unit_is_asked_by_its_steps(step, first):
+    time = np.where(np.arange(12) % 2 == 0, 0.5 * step * np.arange(12), np.nan)
+    motion = [Channel(name, unit, np.arange(12.0)) for name, unit in (("Weg", "mm"), ("Kraft", "N"))]
+    mapped = map_columns(RawTable("", (Channel("Time", "", time), *motion)))
+    (question,) = mapped.questions
+    assert question.choices[0].text == f"time=Time [{first}]"

@@ -118,7 +118,9 @@ def _which(quantity: Quantity, best: Sequence[Channel]) -> Question:
 
 def _in_which_unit(quantity: Quantity, channel: Channel) -> Question:
     units = USUAL[quantity]
-    if quantity == "time" and len(channel.values) > 1 and abs(float(np.nanmedian(np.diff(channel.values)))) >= SLOW:
+    # of a time that stands in every other row no two samples follow each other
+    steps = np.diff(channel.values[np.isfinite(channel.values)])
+    if quantity == "time" and len(steps) and abs(float(np.median(steps))) >= SLOW:
         units = units[::-1]
     return Question(
         quantity,
