@@ -116,7 +116,8 @@ def counted_before(table: RawTable, columns: Sequence[Column], begins: Sequence[
         begins: rows at which pieces begin, and the end.
     """
     column = next((one for one in columns if one.ours == SEGMENT), None)
-    if column is None or not counts_cycles(column.heading):
+    # texts are held by their places among each other, which count nothing
+    if column is None or not counts_cycles(column.heading) or label_column(table, columns) is not None:
         return None
     count = turned(table, column, None)
     if not np.all(np.isfinite(count)) or np.any(count != np.round(count)) or np.any(count < 0):
