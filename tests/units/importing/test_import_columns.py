@@ -35,7 +35,7 @@ def found(headings, option=""):
         ("force_N", "N"), ("T [°F]", "°F"), ("Load (cell 1)", ""), ("Kraft", ""), ("F1", ""), ("Weg in mm", "mm"),
         ("Velocity mm/s", "mm/s"), ("stiffness_N/mm", "N/mm"), ("omega_rad/s", "rad/s"), ("frequency_Hz", "Hz"),
         ("G' Pa", "Pa"), ("strain_pct", "%"), ("Kraft F/kN", "kN"), ("Zeit t/s", "s"), ("Weg s/mm", "mm"),
-        ("Channel A", ""), ("Kanal V", ""),
+        ("Channel A", ""), ("Kanal V", ""), ("Temperatura (ºC)", "°C"), ("Temp ˚C", "°C"), ("T [oC]", "oC"),
     ],
 )  # fmt: skip
 def test_units_are_found_in_names(name, unit):
@@ -48,6 +48,7 @@ def test_units_are_found_in_names(name, unit):
         ("force", "kN", 1e3, 0), ("force", "lbf", 4.4482216152605, 0), ("force", "kp", 9.80665, 0),
         ("force", "0.2 kN", 200, 0), ("displacement", "in", 25.4, 0), ("displacement", "µm", 1e-3, 0),
         ("time", "ms", 1e-3, 0), ("temperature", "K", 1, -273.15), ("temperature", "°F", 5 / 9, -160 / 9),
+        ("temperature", "ºC", 1, 0), ("temperature", "˚F", 5 / 9, -160 / 9), ("temperature", "oC", 1, 0),
         ("temperature", "deg_F", 5 / 9, -160 / 9), ("temperature", "Degrees Celsius", 1, 0), ("force", "Newtons", 1, 0),
         ("force", "KILONEWTONS", 1e3, 0), ("force", "Pounds", 4.4482216152605, 0),
         ("displacement", "Micrometres", 1e-3, 0), ("time", "Milliseconds", 1e-3, 0),
