@@ -72,6 +72,7 @@ def test_units_are_turned_into_ours(quantity, unit, factor, offset):
         (["time [s]", "x, y (mm)", "load (N)"], "displacement=x, y (mm), time=time [s]",
          {"displacement": ("x, y (mm)", 1.0)}),
         (["time [s]", "y [mm]", "Load [N]"], "force=Load [N] [kN]", {"force": ("Load [N]", 1e3)}),
+        (["time [s]", "y [mm]", "Load"], "force=Load [V] [2 kN]", {"force": ("Load", 2e3)}),
         (["Prüfzeit [s]", "Verformung [mm]", "Prüfkraft [N]"], "", {"displacement": ("Verformung [mm]", 1.0)}),
         (["Temps [s]", "Course [mm]", "Charge [daN]"], "", {"force": ("Charge [daN]", 10.0)}),
     ],
@@ -123,6 +124,7 @@ def test_times_of_channels_are_not_the_channels():
         (["Time (s)", "Angle", "Load (N)"], "displacement=Angle [foo]", "such as mm, m, um or in$"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
+        (["Time (s)", "y (mm)", "Load (N)"], "force=Load [V] [2 kN]", r"no channel 'Load \[V\] \[2 kN\]'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load (N),segment=Load", "twice"),
         (
             ["Time (s)", "y (mm)", "Load (N)"],

@@ -292,7 +292,7 @@ def channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
         name, unit = parts[1], parts[2].strip()
         found = _called(table, name)
     if not found.channels:
-        found = _at_place(table, name)
+        found = _at_place(table, name) if PLACE.fullmatch(name) else _called_in(table, name)
     channel = _only_one(table, stated, name, found.channels)
     own = unit_of(channel)
     if unit and own and unit != own and not found.with_own_unit:
@@ -316,6 +316,12 @@ def _called(table: RawTable, name: str) -> _Called:
     return _Called(
         [one for one in table.channels if name in (_one_blank(one.name), _one_blank(unit_in_name(one.name)[0]))]
     )
+
+
+def _called_in(table: RawTable, name: str) -> _Called:
+    """Give the channels of which the file states no unit, and whose unit the user says before the one that counts."""
+    parts = UNIT_BEHIND.fullmatch(name)
+    return _Called([one for one in _called(table, parts[1]).channels if not unit_of(one)] if parts else [])
 
 
 def _at_place(table: RawTable, name: str) -> _Called:
