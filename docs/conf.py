@@ -35,6 +35,7 @@ extensions = [
     "effect_pages",
     "schema_reference",
     "house",
+    "line_breaks",
 ]
 exclude_patterns = ["_build", "examples"]
 nitpicky = True

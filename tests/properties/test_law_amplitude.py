@@ -18,6 +18,7 @@ from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance, law_of, read_law
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
+from pipeclamp_system.cosim.summary import summary_of
 from pipeclamp_system.description.system import read_system
 
 PLAN = Plan((0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0)
@@ -100,12 +101,12 @@ def test_solved_runs_end_where_the_motion_shows_what_was_given(fmus: Path) -> No
         used = 1e3 * result.columns["c.A_used"][-1]
         assert used == pytest.approx(1e3 * result.amplitude("c.s"), rel=0.05)  # of a motion that is nearly a sine
         assert result.columns["c.law_mode"][-1] == 1.0
-        assert f"(solved in {result.runs} runs)" in result.summary()
+        assert f"(solved in {result.runs} runs)" in summary_of(result)
     first, second = (result.amplitude("c.s") for result in results)
     assert first == pytest.approx(second, rel=0.01)
     tracked = coupled(system(fmus, "track = true", 0.5))
     assert tracked.amplitude("c.s") == pytest.approx(first, rel=0.01)
-    assert "(tracked, at the end)" in tracked.summary()
+    assert "(tracked, at the end)" in summary_of(tracked)
     given = coupled(system(fmus, "", 1.0))
-    assert "(as given)" in given.summary()
+    assert "(as given)" in summary_of(given)
     assert np.ptp(given.columns["c.A_used"]) == 0.0

@@ -1,10 +1,10 @@
-"""The result of a co-simulation: its columns, its energy balance, and what a person should know of it."""
+"""The result of a co-simulation: its columns, its energy balance, and whether it is to be trusted."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +13,11 @@ from pipeclamp_fmu.slaves.own_motion import LIMIT
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
-from pipeclamp_system.cosim.beating import FEWEST_CYCLES_THAT_SWING, Beats, Swing, is_judged, swing_of
-from pipeclamp_system.cosim.energy import NAMES, EnergyBalance
+from pipeclamp_system.cosim.beating import Beats, Swing, swing_of
+from pipeclamp_system.cosim.energy import EnergyBalance
 from pipeclamp_system.cosim.repetition import LAST_SHARE, REPEATING_SHARE, off_a_cycle_before
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
-from pipeclamp_system.description.system import ClampSource, SystemDescription
+from pipeclamp_system.description.system import SystemDescription
 from pipeclamp_system.description.trust_mark import doubt
 
 FEWEST_STEPS_PER_PERIOD = 10
@@ -31,12 +31,6 @@ UNEVEN_SHARE = 1e-6
 
 STEP_MARGIN = 0.95
 """Of a step that is proposed: it is said in two digits."""
-
-NOTABLE_FORM = 0.01
-"""Share by which half of peak to peak may differ from sqrt(2) times the rms, as of a motion that is no sine."""
-
-MISMATCH = 0.2
-"""Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,146 +225,6 @@ class CosimResult:
         first = min(int(np.searchsorted(self.time, (1 - share) * self.time[-1])), last - 2)
         values = self.columns[column][max(first, 0) : last]
         return float(values.max() - values.min()) / 2
-
-    def summary(self) -> str:
-        """Give amplitudes and the energy balance, for a person to read."""
-        trials = self.columns["trials"][1:]
-        parts = (f"{NAMES[name]} {value:.4g}" for name, value in self.energy.final().items())
-        lines = [
-            f"system {self.name!r}: {self.time.size - 1} {self.scheme} steps of {self._step_text()}, "
-            f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})",
-            *self.marks(),
-            *self._about_amplitudes(),
-            *self._about_settling(),
-            *self._about_repetition(),
-            *self._about_short_run(),
-            *self._about_small_error(),
-            f"energy, J: {', '.join(parts)}",
-            *(line for clamp in self.system.clamps for line in self._about_other_motion(clamp)),
-            *(self._about_conditions(clamp) for clamp in self.system.clamps),
-            *(f"{name}: its law was used beyond the range of its data" for name in self.out_of_range),
-            *(f"warning: {warning}" for warning in self.warnings),
-        ]
-        return "\n".join(lines)
-
-    def _about_amplitudes(self) -> list[str]:
-        """Say how far clamps and probes move, and with which force."""
-        late = "over the last fifth of the run"
-        moved = {name: f"{1e3 * self.amplitude(f'{name}.s'):.4g} mm" for name in (*self.clamp_names, *self.probe_names)}
-        return [
-            *(
-                f"{name}: amplitude {moved[name]}, force {self.amplitude(f'{name}.f'):.4g} N {late}"
-                for name in self.clamp_names
-            ),
-            *(f"{name}: amplitude {moved[name]} {late}" for name in self.probe_names),
-        ]
-
-    def _about_settling(self) -> list[str]:
-        """Say where an amplitude still changes; nothing of one that swings, of which more is said."""
-        if self.beats is not None:
-            return []
-        return [
-            f"not settled: the amplitude at {name} changes by {change:.1%} from the last fifth but one to the last, "
-            f"expected at most {SETTLED_SHARE:.0%}; use a larger stop_s"
-            for name, change in self.unsettled.items()
-        ]
-
-    def _about_small_error(self) -> list[str]:
-        """Say by how much the motion errs for its steps, where that is little, or why it isn't known."""
-        lines = []
-        if self.beats is not None:
-            lines.append("the displacement's error for its steps isn't told: two runs of a swing drift apart")
-        if self.step_error is not None and self.step_error <= self.trusted_share:
-            lines.append(
-                f"the displacement errs by {self.step_error:.2%} in amplitude and phase by its time steps: a second "
-                "run in other steps tells it"
-            )
-        return lines
-
-    def _about_other_motion(self, clamp: ClampSource) -> list[str]:
-        """Say where a law is taken for another A and f than those of the motion, and what helps."""
-        name = clamp.at
-        found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]
-        off = self.columns[f"{name}.forceDeviation"][-1]
-        by = f"its force is off by {off:.1%}"
-        # Of a law that follows neither A nor f the force is never off: which it is told is no matter.
-        matters = clamp.law is None or clamp.mode != "given" or off > 0
-        if matters and abs(found - assumed) > MISMATCH * assumed:
-            so = f", so that {by}" if off > LIMIT else ""
-            return [
-                f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with "
-                f"{1e3 * found:.4g} mm{so}: {self._about_mismatch(clamp)}"
-            ]
-        return [f"{name}: {by} for the A and f of its motion: {self._about_mismatch(clamp)}"] if off > LIMIT else []
-
-    def _about_mismatch(self, clamp: ClampSource) -> str:
-        """Say what helps where a law is taken for another amplitude than that of the motion."""
-        if clamp.mode == "given":
-            return "set amplitude_mm to that, or solve = true, or track = true"
-        if clamp.mode == "solved" and self.unsolved:
-            return "A and f are not solved"
-        if clamp.mode == "solved" or clamp.at in self.out_of_range:
-            return "the range of its data ends there"
-        if self.beats is not None:
-            return "its amplitude swings"
-        return "its motion is no steady sine, or is still changing"
-
-    def _about_repetition(self) -> list[str]:
-        """Say where the amplitude is settled and yet the motion doesn't repeat itself."""
-        if self.unsettled or self.beats is not None or not (unrepeated := self.unrepeated):
-            return []
-        name, share = max(unrepeated.items(), key=lambda found: found[1])
-        return [
-            f"the motion at {name} differs from that a cycle of the sine before by {share:.0%}, though its amplitude "
-            "has settled: subharmonic or irregular, which no frequency response holds"
-        ]
-
-    def _about_short_run(self) -> list[str]:
-        """Say where a run is too short to show whether a tracked amplitude swings."""
-        frequency = self.system.excitation.frequency_Hz
-        tracked = any(clamp.mode == "tracked" for clamp in self.system.clamps)
-        if not tracked or not self.settles or frequency is None or is_judged(float(self.time[-1]), frequency):
-            return []
-        return [
-            f"whether the amplitude swings for its tracker isn't judged: a fifth of the run has "
-            f"{0.2 * self.time[-1] * frequency:.2g} cycles, expected at least {FEWEST_CYCLES_THAT_SWING}; "
-            "use a larger stop_s"
-        ]
-
-    def _step_text(self) -> str:
-        """Give the macro steps' lengths."""
-        steps = np.diff(self.time)
-        if np.ptp(steps) < UNEVEN_SHARE * steps.max():
-            return f"{self.step:g} s"
-        return f"{steps.min():.3g} to {steps.max():.3g} s"
-
-    def _about_conditions(self, clamp: ClampSource) -> str:
-        """Say where a law's A and f come from."""
-        name = clamp.at
-        amplitude, frequency = 1e3 * self.columns[f"{name}.A_used"][-1], self.columns[f"{name}.f_used"][-1]
-        if amplitude != amplitude:
-            return f"{name}: not one of our FMUs; it doesn't say what A and f its law was taken for"
-        used = f"A = {amplitude:.4g} mm, f = {frequency:.4g} Hz"
-        if clamp.mode == "solved" and self.unsolved:
-            return f"{name}: A and f NOT solved in {self.runs} runs, they still change by {self.unsolved:.1%}: {used}"
-        how = {"given": "as given", "solved": f"solved in {self.runs} runs", "tracked": "tracked, at the end"}[
-            clamp.mode
-        ]
-        return f"{name}: its law is taken for {used} ({how}){self._about_form(clamp)}"
-
-    def _about_form(self, clamp: ClampSource) -> str:
-        """Say why the A of a clamp's law isn't the amplitude that is told: that is of the peaks, A of the rms."""
-        if clamp.mode == "given" or self.beats is not None:
-            return ""
-        displacement = self.columns[f"{clamp.at}.s"][self.time >= (1 - LAST_SHARE) * self.time[-1]]
-        of_rms, of_peaks = sqrt(2) * float(np.std(displacement)), self.amplitude(f"{clamp.at}.s")
-        if abs(of_rms - of_peaks) <= NOTABLE_FORM * of_peaks:
-            return ""
-        less = "less" if of_peaks < of_rms else "more"
-        return (
-            f"; A is sqrt(2) times the rms of the displacement, the amplitude is half of its peak to peak: "
-            f"{abs(of_peaks / of_rms - 1):.1%} {less}, as the motion is no sine"
-        )
 
 
 def _about_beats(beats: Beats) -> tuple[str, str]:

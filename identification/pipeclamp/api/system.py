@@ -14,6 +14,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.cosim.result import CosimResult, write_result
 from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.summary import summary_of
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
@@ -94,7 +95,7 @@ class Cosimulation:
         from pipeclamp.pages.system.cosim import answer_first
 
         banded = self.bands.words() if self.bands else ()
-        return "\n".join([*answer_first(self.result.summary().splitlines()), *banded, self._following().words()])
+        return "\n".join([*answer_first(summary_of(self.result).splitlines()), *banded, self._following().words()])
 
     def __repr__(self) -> str:
         """Give the system, and whether the result can be trusted."""

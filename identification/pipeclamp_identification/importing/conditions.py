@@ -191,8 +191,8 @@ def guessed_pattern(
 def _unit_of(field: str, after: str) -> str:
     """Give a field's unit as it begins what stands behind it; "" where another number's letters do, as in "f3_A0.5"."""
     unit = UNIT.match(after)
-    told = unit is not None and (GUESSED.get(unit[1].casefold()) == field or field.endswith(f"_{unit[1]}"))
-    return unit[0] if unit and told else ""
+    is_its = unit is not None and (GUESSED.get(unit[1].casefold()) == field or field.endswith(f"_{unit[1]}"))
+    return unit[0] if unit and is_its else ""
 
 
 def _meant(before: str, texts: Sequence[str], after: str) -> str:

@@ -103,7 +103,7 @@ class RawTable:
         name: of the table within its file: a sheet, a group, a block; "" where there is but one.
         channels: in the file's order.
         first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
-        told: how it was read, for people.
+        read_as: how it was read, for people.
         unread: columns with text where numbers were expected.
         titles: what stands above the channels' names, "" where nothing does; none where a format has no such thing.
         joined: what was done to put channels of other rates on one time, for people.
@@ -115,7 +115,7 @@ class RawTable:
     name: str
     channels: tuple[Channel, ...]
     first_row: int = 1
-    told: tuple[str, ...] = ()
+    read_as: tuple[str, ...] = ()
     unread: tuple[Unread, ...] = ()
     labels: tuple[LabelColumn, ...] = ()
     titles: tuple[str, ...] = ()
@@ -220,13 +220,13 @@ def side_by_side(table: RawTable) -> list[RawTable]:
     return parts
 
 
-def table_of(name: str, columns: Sequence[tuple[str, str, object]], told: Sequence[str] = ()) -> list[RawTable]:
+def table_of(name: str, columns: Sequence[tuple[str, str, object]], read_as: Sequence[str] = ()) -> list[RawTable]:
     """Give a table for each length that channels have, longest first; what isn't numbers in one row is left aside.
 
     Args:
         name: of the table.
         columns: name, unit and samples of each channel.
-        told: how it was read.
+        read_as: how it was read.
     """
     by_length: dict[int, list[Channel]] = {}
     for column, unit, values in columns:
@@ -238,7 +238,10 @@ def table_of(name: str, columns: Sequence[tuple[str, str, object]], told: Sequen
     lengths = sorted(by_length, reverse=True)
     return [
         RawTable(
-            name if len(lengths) == 1 else f"{name} {length} samples".strip(), tuple(by_length[length]), 1, tuple(told)
+            name if len(lengths) == 1 else f"{name} {length} samples".strip(),
+            tuple(by_length[length]),
+            1,
+            tuple(read_as),
         )
         for length in lengths
     ]

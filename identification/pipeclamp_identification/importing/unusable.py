@@ -70,9 +70,9 @@ class UnusableFiles:
 
     def lines(self) -> list[str]:
         """Say which, and why."""
-        told = [self._line(path) for path in [*self.errors][:MOST_TOLD]]
-        more = len(self.errors) - len(told)
-        return [*told, *([f"and {more} more"] if more else [])]
+        lines = [self._line(path) for path in [*self.errors][:MOST_TOLD]]
+        more = len(self.errors) - len(lines)
+        return [*lines, *([f"and {more} more"] if more else [])]
 
     def _line(self, path: Path) -> str:
         """Say what is wrong with a file, by its name without folders, which are long."""
@@ -115,6 +115,6 @@ def listed_why(why: Sequence[tuple[str, str]]) -> list[str]:
     Args:
         why: name of each file, and the reason.
     """
-    told = [f"{file}: left out, for it can't be used: {reason}" for file, reason in why[:MOST_TOLD]]
-    more = len(why) - len(told)
-    return [*told, *([f"{more} more files were left out; campaign.toml names all"] if more else [])]
+    lines = [f"{file}: left out, for it can't be used: {reason}" for file, reason in why[:MOST_TOLD]]
+    more = len(why) - len(lines)
+    return [*lines, *([f"{more} more files were left out; campaign.toml names all"] if more else [])]

@@ -38,7 +38,7 @@ SPELLINGS: Mapping[str, str] = {
     "celsius": "degC", "deg c": "degC", "deg. c": "degC", "grad c": "degC", "° c": "degC", "degc": "degC",
     "fahrenheit": "degF", "deg f": "degF", "deg. f": "degF", "° f": "degF", "degf": "degF", "kelvin": "K",
     "°c": "degC", "°f": "degF", "°k": "K", "deg k": "K", "degrees c": "degC", "degrees celsius": "degC",
-    "degree celsius": "degC", "deg celsius": "degC", "grad celsius": "degC", "degrees f": "degF",
+    "oc": "degC", "degree celsius": "degC", "deg celsius": "degC", "grad celsius": "degC", "degrees f": "degF",
     "degrees fahrenheit": "degF", "pound": "lbf", "pounds": "lbf", "pounds-force": "lbf", "pound-force": "lbf",
     "秒": "s", "毫秒": "ms", "毫米": "mm", "牛": "N", "千牛": "kN", "초": "s",
     "с": "s", "сек": "s", "мс": "ms", "мм": "mm", "мкм": "um", "н": "N", "кн": "kN", "кгс": "kgf",
@@ -72,6 +72,8 @@ RATIOS = ("mm/s", "mm/s**2", "N/mm", "rad/s")
 SAME_FACTOR_SHARE = 2e-3
 """A factor agrees with a unit where it differs by no more than its rounding does: 9.81 for 9.80665 is 3e-4 off."""
 
+DEGREES = str.maketrans("º˚", "°°")
+"""What keyboards and programs write for the sign of degrees; the first would become an o."""
 BRACKETED = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$", re.DOTALL)
 SLASHED = re.compile(r"^(.*\S)\s*/\s*([^\s/]+)\s*$", re.DOTALL)
 TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DOTALL)
@@ -99,7 +101,7 @@ def unit_in_name(name: str) -> tuple[str, str]:
     "Load [kN]", "Axial Force (kN)", "Weg/mm", "Zeit, s", "LVDT in", "force_N" and "speed_mm/s" state one;
     "Load (cell 1)" doesn't.
     """
-    text = unicodedata.normalize("NFKC", name).replace("μ", "µ").strip()
+    text = _normal(name)
     if found := BRACKETED.match(text):
         inside = (found[2] if found[2] is not None else found[3]).strip()
         # "data(1)" is the first of several
@@ -110,6 +112,11 @@ def unit_in_name(name: str) -> tuple[str, str]:
     if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):
         return found[1].strip(), found[2]
     return text, ""
+
+
+def _normal(text: str) -> str:
+    """Give a text with one character for each sign, also where a keyboard has but a like one (º, ˚) of degrees."""
+    return unicodedata.normalize("NFKC", text.translate(DEGREES)).replace("μ", "µ").strip()
 
 
 def _stands_bare(unit: str) -> bool:
@@ -206,7 +213,7 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
     """Give the conversion of a unit; None where it is of something else, or none at all."""
     numbered = NUMBERED.match(unit.strip())
     number, text = (float(numbered[1]), numbered[2]) if numbered else (1.0, unit.strip())
-    text = unicodedata.normalize("NFKC", text).replace("μ", "µ").strip()
+    text = _normal(text)
     if not text or not number:
         return None
     meant = MEANT.get(quantity, {})

@@ -37,7 +37,7 @@ def test_a_table_is_the_same_in_blocks_of_any_size(options, tmp_path, monkeypatc
     assert len(tables) == 2
     monkeypatch.setattr(reader, "BLOCK", 3000)
     for one, other in zip(tables, reader.read(path), strict=True):
-        assert (one.name, one.first_row, one.told) == (other.name, other.first_row, other.told)
+        assert (one.name, one.first_row, one.read_as) == (other.name, other.first_row, other.read_as)
         for mine, theirs in zip(one.channels, other.channels, strict=True):
             assert mine.heading == theirs.heading
             np.testing.assert_array_equal(mine.values, theirs.values)

@@ -35,7 +35,7 @@ def found(headings, option=""):
         ("force_N", "N"), ("T [°F]", "°F"), ("Load (cell 1)", ""), ("Kraft", ""), ("F1", ""), ("Weg in mm", "mm"),
         ("Velocity mm/s", "mm/s"), ("stiffness_N/mm", "N/mm"), ("omega_rad/s", "rad/s"), ("frequency_Hz", "Hz"),
         ("G' Pa", "Pa"), ("strain_pct", "%"), ("Kraft F/kN", "kN"), ("Zeit t/s", "s"), ("Weg s/mm", "mm"),
-        ("Channel A", ""), ("Kanal V", ""),
+        ("Channel A", ""), ("Kanal V", ""), ("Temperatura (ºC)", "°C"), ("Temp ˚C", "°C"), ("T [oC]", "oC"),
     ],
 )  # fmt: skip
 def test_units_are_found_in_names(name, unit):
@@ -48,6 +48,7 @@ def test_units_are_found_in_names(name, unit):
         ("force", "kN", 1e3, 0), ("force", "lbf", 4.4482216152605, 0), ("force", "kp", 9.80665, 0),
         ("force", "0.2 kN", 200, 0), ("displacement", "in", 25.4, 0), ("displacement", "µm", 1e-3, 0),
         ("time", "ms", 1e-3, 0), ("temperature", "K", 1, -273.15), ("temperature", "°F", 5 / 9, -160 / 9),
+        ("temperature", "ºC", 1, 0), ("temperature", "˚F", 5 / 9, -160 / 9), ("temperature", "oC", 1, 0),
         ("temperature", "deg_F", 5 / 9, -160 / 9), ("temperature", "Degrees Celsius", 1, 0), ("force", "Newtons", 1, 0),
         ("force", "KILONEWTONS", 1e3, 0), ("force", "Pounds", 4.4482216152605, 0),
         ("displacement", "Micrometres", 1e-3, 0), ("time", "Milliseconds", 1e-3, 0),
@@ -71,6 +72,7 @@ def test_units_are_turned_into_ours(quantity, unit, factor, offset):
         (["time [s]", "x, y (mm)", "load (N)"], "displacement=x, y (mm), time=time [s]",
          {"displacement": ("x, y (mm)", 1.0)}),
         (["time [s]", "y [mm]", "Load [N]"], "force=Load [N] [kN]", {"force": ("Load [N]", 1e3)}),
+        (["time [s]", "y [mm]", "Load"], "force=Load [V] [2 kN]", {"force": ("Load", 2e3)}),
         (["Prüfzeit [s]", "Verformung [mm]", "Prüfkraft [N]"], "", {"displacement": ("Verformung [mm]", 1.0)}),
         (["Temps [s]", "Course [mm]", "Charge [daN]"], "", {"force": ("Charge [daN]", 10.0)}),
     ],
@@ -122,6 +124,7 @@ def test_times_of_channels_are_not_the_channels():
         (["Time (s)", "Angle", "Load (N)"], "displacement=Angle [foo]", "such as mm, m, um or in$"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
+        (["Time (s)", "y (mm)", "Load (N)"], "force=Load [V] [2 kN]", r"no channel 'Load \[V\] \[2 kN\]'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load (N),segment=Load", "twice"),
         (
             ["Time (s)", "y (mm)", "Load (N)"],
@@ -243,3 +246,13 @@ def test_a_number_of_the_step_is_proposed_for_no_displacement():
     with pytest.raises(UserError) as refused:
         found(["Time (s)", "Step", "a", "b"])
     assert "displacement=a" in str(refused.value) and "displacement=Step" not in str(refused.value)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("step", "first"), [(0.02, "s"), (20.0, "ms")])
+def test_a_time_in_every_other_row_without_a_unit_is_asked_by_its_steps(step, first):
+    time = np.where(np.arange(12) % 2 == 0, 0.5 * step * np.arange(12), np.nan)
+    motion = [Channel(name, unit, np.arange(12.0)) for name, unit in (("Weg", "mm"), ("Kraft", "N"))]
+    mapped = map_columns(RawTable("", (Channel("Time", "", time), *motion)))
+    (question,) = mapped.questions
+    assert question.choices[0].text == f"time=Time [{first}]"

@@ -210,7 +210,7 @@ def test_a_last_column_that_is_blank_in_most_rows_counts(tmp_path, every):
 
 def test_a_channel_that_was_written_several_times_over_is_taken_once():
     slow = at_own_rate(Record(RUN.time, RUN.y, np.repeat(RUN.force[2::5], 5)[: len(RUN.time) - 2]))
-    assert slow.told == ("force_N holds each number for 5 samples: one of them is kept",)
+    assert slow.done == ("force_N holds each number for 5 samples: one of them is kept",)
     whole = Record(RUN.time, RUN.y, RUN.force)
     assert at_own_rate(whole).record is whole
     coarse = Record(RUN.time, np.round(RUN.y, 1), np.round(RUN.force, -2))

@@ -200,12 +200,12 @@ def test_short_rows_of_blanks_are_bridged_and_long_ones_cut_off():
     short = whole((500, 503))
     assert (short.first, short.last) == (0, len(run.time))
     assert np.max(np.abs(short.record.force_N - run.force)) < 30
-    assert short.told == ("3 blank samples in force_N: replaced by straight lines",)
+    assert short.done == ("3 blank samples in force_N: replaced by straight lines",)
     # many, but each row far shorter than a cycle: a channel of half the rate
     assert whole(*((place, place + 1) for place in range(1, 1999, 2))).last == len(run.time)
     # no cycle is made of a straight line, though the share of blanks is small
     assert (whole((500, 560)).first, whole((500, 560)).last) == (560, len(run.time))
-    assert "60 samples are blank in force_N, the first in row 508" in whole((500, 560)).told[0]
+    assert "60 samples are blank in force_N, the first in row 508" in whole((500, 560)).done[0]
     # nor is what lies beyond the first sample made up
     assert (whole((0, 3)).first, whole((0, 3)).last) == (3, len(run.time))
     with pytest.raises(UnusableRecord, match="the first in row 18"):
@@ -225,14 +225,14 @@ def held(first, last, value=None, digits=3, play=0.0, channel="force"):
 
 
 def test_a_channel_that_a_logger_held_is_blank():
-    assert "force_N stands at 0 for 40 samples from row 702 on" in held(700, 740, 0.0).told[0]
+    assert "force_N stands at 0 for 40 samples from row 702 on" in held(700, 740, 0.0).done[0]
     assert (held(700, 740, 0.0).first, held(700, 740, 0.0).last) == (740, 2000)
-    assert "force_N stands at" in held(710, 760).told[0]
-    assert "displacement_mm stands at" in held(710, 760, channel="displacement", digits=6).told[0]
+    assert "force_N stands at" in held(710, 760).done[0]
+    assert "displacement_mm stands at" in held(710, 760, channel="displacement", digits=6).done[0]
     # a few digits that stand at the turn, and play, are what was measured
-    assert not held(0, 0, digits=-1).told
-    assert not held(0, 0, digits=1, channel="displacement").told
-    assert not held(0, 0, play=0.2).told
+    assert not held(0, 0, digits=-1).done
+    assert not held(0, 0, digits=1, channel="displacement").done
+    assert not held(0, 0, play=0.2).done
 
 
 def test_a_temperature_that_is_written_now_and_then_counts():
@@ -252,7 +252,7 @@ def test_spikes_are_replaced_and_told_and_loops_left_alone():
     force[[501, 502]] += [2500, 1500]  # one, as a filter leaves it
     repaired = without_spikes(replace(clean, force_N=force))
     assert np.max(np.abs(repaired.record.force_N - clean.force_N)) < 60
-    assert "5 spikes in force_N" in repaired.told[0]
+    assert "5 spikes in force_N" in repaired.done[0]
 
 
 def test_a_peak_of_a_small_loop_of_few_samples_is_no_spike():
@@ -260,9 +260,9 @@ def test_a_peak_of_a_small_loop_of_few_samples_is_no_spike():
     t = np.arange(800) / 40
     y, force = 10 * np.sin(2 * np.pi * t), 20 * np.sin(2 * np.pi * t + 0.2)
     y[:8], force[:8] = [0, 0.9, -1, -0.1, 0.9, 1.3, 0, -1], [0, 8.9, -7.8, 2, 10.3, 12.6, 0, -7]
-    assert not without_spikes(Record(t, y, force)).told
+    assert not without_spikes(Record(t, y, force)).done
     force[401] += 60
-    assert "1 spike in force_N" in without_spikes(Record(t, y, force)).told[0]
+    assert "1 spike in force_N" in without_spikes(Record(t, y, force)).done[0]
 
 
 @pytest.mark.parametrize("late", [0, 1])
@@ -276,8 +276,8 @@ def test_a_peak_where_a_triangle_turns_is_no_spike(late):
     peak, dip = force.copy(), force.copy()
     peak[turn] += 6
     dip[turn] -= 26
-    assert not without_spikes(Record(t, y, peak)).told
-    assert "1 spike in force_N" in without_spikes(Record(t, y, dip)).told[0]
+    assert not without_spikes(Record(t, y, peak)).done
+    assert "1 spike in force_N" in without_spikes(Record(t, y, dip)).done[0]
 
 
 @pytest.mark.parametrize("step", [0.19, 0.25, 0.3, 0.35, 0.55])
@@ -292,12 +292,12 @@ def test_an_upper_yield_point_is_no_spike(step, backwards):
     force = (force[::-1] if backwards else force) * 1800
     y = y[::-1] if backwards else y
     record = Record(np.arange(len(y)) / 10, y, force)
-    assert not without_spikes(record).told
+    assert not without_spikes(record).done
     # a glitch on the elastic line, or on the plateau, still is one
     for at in (1, peak + 6):
         glitch = force.copy()
         glitch[len(y) - 1 - at if backwards else at] += 6000
-        assert "1 spike in force_N" in without_spikes(replace(record, force_N=glitch)).told[0]
+        assert "1 spike in force_N" in without_spikes(replace(record, force_N=glitch)).done[0]
 
 
 @pytest.mark.parametrize("per_cycle", [16, 50, 400])
@@ -309,7 +309,7 @@ def test_no_loop_is_taken_for_spikes(per_cycle, loops):
         "friction": y + np.sign(v), "viscous": y + v, "impact": y + 50 * np.maximum(y - 0.9, 0),
         "noise": y + v + np.random.default_rng(0).normal(0, 0.1, len(t)),
     }  # fmt: skip
-    assert not without_spikes(Record(t, y, shapes[loops])).told
+    assert not without_spikes(Record(t, y, shapes[loops])).done
 
 
 def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
@@ -317,10 +317,10 @@ def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
     rounded = evened(Record(np.floor(run.time * 20) / 20, run.y, run.force))
     np.testing.assert_allclose(np.diff(rounded.record.time_s), 1 / RATE, rtol=0.02)
     assert rounded.record.force_N is run.force
-    assert "rounded to 0.05 s" in rounded.told[0]
+    assert "rounded to 0.05 s" in rounded.done[0]
     kept = np.flatnonzero(np.random.default_rng(0).random(len(run.time)) > 0.3)
     uneven = evened(Record(run.time[kept], run.y[kept], run.force[kept]))
-    assert "straight lines" in uneven.told[0]
+    assert "straight lines" in uneven.done[0]
     assert np.ptp(np.diff(uneven.record.time_s)) < 1e-6
 
 

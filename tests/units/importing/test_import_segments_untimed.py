@@ -125,3 +125,18 @@ def test_a_step_is_shared_where_the_loop_before_it_closes():
 )
 def test_cycles_are_counted_by_turns(y, cycles):
     assert cycles_of(np.array(y, dtype=float)) == pytest.approx(cycles)
+
+
+def test_texts_in_a_column_called_cycle_count_none(tmp_path):
+    """The halves of a cycle, as a machine names them, had been a cycle each: 0, 1, 2, 3."""
+    rows, time = ["Cycle,Time [s],Displacement [mm],Force [N]"], 0.0
+    for number, half in itertools.product((1, 2), ("Stretch", "Recover")):
+        for share in np.linspace(0.0, 1.0, 20):
+            y = share if half == "Stretch" else 1.0 - share
+            rows.append(f"{number}-{half},{time:.3f},{y:.4f},{3 * y:.4f}")
+            time += 0.1
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c", columns="segment=Cycle")
+    header, *runs = (tmp_path / "c" / "runs.csv").read_text().splitlines()
+    assert [run.split(",")[0] for run in runs] == ["1-Stretch", "1-Recover", "2-Stretch", "2-Recover"]
+    assert "first_cycle" not in header

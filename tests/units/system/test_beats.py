@@ -15,6 +15,7 @@ from pipeclamp_models.law.file import write_law
 from pipeclamp_system.cosim.beating import Beats, Swing, swing_of
 from pipeclamp_system.cosim.result import _about_beats, write_result
 from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.summary import summary_of
 
 TIME = np.linspace(0.0, 10.0, 20001)
 
@@ -59,7 +60,7 @@ def test_a_law_that_hangs_on_its_tracker_is_said_to_beat(tmp_path, steep, beats)
     (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
     result = run_system(tmp_path / "system.toml")
     assert (result.beats is not None) == beats
-    said = result.summary()
+    said = summary_of(result)
     assert ("swings between" in said) == beats
     if beats:
         assert result.beats.swing.high > 1.5 * result.beats.swing.low

@@ -35,6 +35,7 @@ from pipeclamp_system.cosim.building import PYTHON
 from pipeclamp_system.cosim.divergence import IMPOSSIBLE
 from pipeclamp_system.cosim.result import CosimResult, write_result
 from pipeclamp_system.cosim.run import run_described, run_system
+from pipeclamp_system.cosim.summary import summary_of
 from pipeclamp_system.description.excitation import excitation_signal
 from pipeclamp_system.description.system import read_system
 from pipeclamp_system.transient.monolithic import MonolithicResult, clamp_equations, solve_monolithic
@@ -246,7 +247,7 @@ def test_a_result_whose_coupling_makes_energy_is_marked_everywhere(bench: Path, 
     laws = {"clamp1": 'fmu = "soft.fmu"'}
     marked = run_system(write_system(bench, "parallel", laws, step=2.5e-3))
     assert not marked.trusted
-    assert f"NOT TO BE TRUSTED: the coupling itself made {marked.coupling_share:.2%}" in marked.summary()
+    assert f"NOT TO BE TRUSTED: the coupling itself made {marked.coupling_share:.2%}" in summary_of(marked)
     write_result(marked, tmp_path / "marked.csv")
     assert set(pl.read_csv(tmp_path / "marked.csv")["trusted [1 yes, 0 no]"]) == {0.0}
     titles = [figure.layout.title.text for section in cosim_sections(marked) for figure in section.figures]
@@ -256,7 +257,7 @@ def test_a_result_whose_coupling_makes_energy_is_marked_everywhere(bench: Path, 
         scheme = "parallel" if more else "implicit"
         fine = run_system(write_system(bench, scheme, laws, step=2.5e-3, more=more))
         assert fine.trusted
-        assert "TRUSTED" not in fine.summary()
+        assert "TRUSTED" not in summary_of(fine)
 
 
 def test_the_coupling_s_energy_is_a_share_of_what_the_excitation_gave(bench: Path) -> None:
@@ -273,7 +274,7 @@ def test_few_steps_in_a_period_cannot_be_trusted_whatever_the_energy_says(bench:
     for parts, fine in ((9, False), (11, True)):
         result = run_system(write_system(bench, "implicit", laws, step=1 / (9.0 * parts), stop=20 / 9.0, more=more))
         assert result.trusted == fine, result.doubts()
-        assert ("steps in a period of the excitation, expected at least 10" in result.summary()) != fine
+        assert ("steps in a period of the excitation, expected at least 10" in summary_of(result)) != fine
 
 
 def test_a_run_of_one_step_is_held_against_its_halves(bench: Path) -> None:
@@ -284,7 +285,7 @@ def test_a_run_of_one_step_is_held_against_its_halves(bench: Path) -> None:
     assert result.step_error is not None
     assert 0 < result.step_error < 0.9, result.doubts()
     unknown = replace(result, step_error=inf)
-    assert "error isn't known, as no run in other steps tells it" in unknown.summary()
+    assert "error isn't known, as no run in other steps tells it" in summary_of(unknown)
 
 
 def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:
@@ -293,7 +294,7 @@ def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:
     for stop, settled in ((1.0, 0.0), (20.0, 1.0)):
         result = run_system(write_system(bench, "implicit", laws, step=4e-3, stop=stop))
         assert ("tip" in result.unsettled) == (settled == 0.0)
-        assert ("not settled: the amplitude at tip changes by" in result.summary()) == (settled == 0.0)
+        assert ("not settled: the amplitude at tip changes by" in summary_of(result)) == (settled == 0.0)
         write_result(result, tmp_path / "result.csv")
         assert set(pl.read_csv(tmp_path / "result.csv")[column]) == {settled}
     swept = result.system.excitation.model_copy(update={"kind": "sweep", "from_Hz": 1.0, "to_Hz": 9.0})
@@ -302,7 +303,7 @@ def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:
 
 def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Path) -> None:
     result = run_system(write_system(bench, laws={"clamp1": 'fmu = "smooth.fmu"'}, amplitude_mm=0.2))
-    assert "set amplitude_mm to that, or solve = true, or track = true" in result.summary()
+    assert "set amplitude_mm to that, or solve = true, or track = true" in summary_of(result)
     ends, elsewhere = "the range of its data ends there", ("its motion is no steady sine", "A and f are not solved")
     for mode, beyond, unsolved, said in (
         ("tracked", (), 0.0, elsewhere[0]),
@@ -312,7 +313,7 @@ def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Pat
     ):
         clamp = result.system.clamps[0].model_copy(update={"track": mode == "tracked", "solve": mode == "solved"})
         system = result.system.model_copy(update={"clamps": (clamp,)})
-        summary = replace(result, system=system, out_of_range=beyond, unsolved=unsolved).summary()
+        summary = summary_of(replace(result, system=system, out_of_range=beyond, unsolved=unsolved))
         assert f"mm: {said}" in summary
         assert "track = true" not in summary
 
@@ -325,7 +326,7 @@ def test_why_a_law_s_amplitude_is_not_that_of_the_peaks_is_said(bench: Path) -> 
     phase = 2 * np.pi * 20 * result.time
     for third, said in ((0.0, ""), (0.1, r"10\.[3-6]% less, as the motion is no sine")):
         moved = np.cos(phase) - third * np.cos(3 * phase)
-        summary = replace(result, columns={**result.columns, "clamp1.s": 1e-3 * moved}).summary()
+        summary = summary_of(replace(result, columns={**result.columns, "clamp1.s": 1e-3 * moved}))
         assert ("A is sqrt(2) times the rms" in summary) == bool(said)
         assert re.search(said, summary), summary
 
@@ -339,8 +340,8 @@ def test_solved_conditions_stay_inside_the_data_of_a_law_that_is_named(bench: Pa
     assert 1e3 * result.columns["clamp1.A_used"][-1] == pytest.approx(2.0)
     assert 1e3 * result.amplitude("clamp1.s") < 1.6
     assert not result.unsolved
-    assert "it moves with" in result.summary()
-    assert "the range of its data ends there" in result.summary()
+    assert "it moves with" in summary_of(result)
+    assert "the range of its data ends there" in summary_of(result)
 
 
 def test_an_energy_tolerance_controls_the_macro_step(bench: Path) -> None:
@@ -399,7 +400,7 @@ def test_foreign_fmus_stand_in_for_both_sides(bench: Path, scheme: str) -> None:
     assert foreign.amplitude("tip.s") == pytest.approx(own.amplitude("tip.s"), rel=2e-3)
     assert np.isnan(foreign.columns["clamp1.A_used"]).all()
     assert np.isfinite(foreign.coupling_share)
-    assert "clamp1: amplitude" in foreign.summary()
+    assert "clamp1: amplitude" in summary_of(foreign)
 
 
 def test_an_ssp_of_foreign_fmus_speaks_their_names(bench: Path, tmp_path: Path) -> None:
@@ -552,7 +553,7 @@ def test_the_result_is_written_with_names_and_units(bench: Path, tmp_path: Path)
     assert frame["clamp1.s [m]"].to_numpy() == pytest.approx(result.columns["clamp1.s"], rel=1e-15)
     assert told[-1] == pytest.approx(1.0)
     assert all(before <= after for before, after in pairwise(told))
-    summary = result.summary()
+    summary = summary_of(result)
     assert "clamp1: amplitude" in summary
     assert "coupling" in summary
     assert "clamp1: its law is taken for an amplitude of 1 mm, and it moves with" in summary
@@ -563,7 +564,7 @@ def test_a_law_that_follows_no_amplitude_needs_none(bench: Path, write_law: Call
     write_law(bench / "linear.json", {"k10": 20.0, "c0": 0.02, "alpha0": 1.0})
     result = run_once(write_system(bench, laws={"clamp1": 'law = "linear.json"'}, step=4e-3, stop=1.0))
     assert abs(1e3 * result.amplitude("clamp1.s") - 1.0) > 0.1
-    assert "its law is taken for an amplitude" not in result.summary()
+    assert "its law is taken for an amplitude" not in summary_of(result)
 
 
 def test_an_undamped_pipe_loses_nothing(bench: Path) -> None:
@@ -647,8 +648,8 @@ def test_a_force_that_is_off_for_its_motion_is_said_once_in_the_result_s_words(
     result = run_system(write_system(bench, laws=laws, amplitude_mm=0.2, stop=1.0))
     assert result.columns["clamp1.forceDeviation"][-1] > 0.05
     assert result.warnings == ()
-    (said,) = re.findall(r"clamp1: .* its force is off by .*", result.summary())
+    (said,) = re.findall(r"clamp1: .* its force is off by .*", summary_of(result))
     assert "so that its force is off by" in said
     assert "set amplitude_mm to that, or solve = true, or track = true" in said
     followed = run_system(write_system(bench, laws={"clamp1": laws["clamp1"] + "\ntrack = true"}, stop=1.0))
-    assert "is off by" not in followed.summary()
+    assert "is off by" not in summary_of(followed)

@@ -18,6 +18,7 @@ from pipeclamp_system.cosim.building import finished
 from pipeclamp_system.cosim.hidden_motion import hidden_share
 from pipeclamp_system.cosim.result import write_result
 from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.summary import summary_of
 from pipeclamp_system.description.system import read_system
 from pipeclamp_system.steady import dots as response_dots
 from pipeclamp_system.steady.dots import CLOSE_SHARE, Rest, co_simulated
@@ -86,14 +87,14 @@ def test_a_co_simulation_whose_steps_meet_a_mode_is_marked(tmp_path: Path) -> No
     assert off > 0.05
     assert met.coupling_share < 0.1 * met.trusted_share
     assert not met.trusted
-    assert f"NOT TO BE TRUSTED: {met.hidden_share:.2%} of a clamp's motion passes between the steps" in met.summary()
+    assert f"NOT TO BE TRUSTED: {met.hidden_share:.2%} of a clamp's motion passes between the steps" in summary_of(met)
     assert all(
         "NOT TO BE TRUSTED" in figure.layout.title.text for part in cosim_sections(met) for figure in part.figures
     )
     write_result(met, tmp_path / "met.csv")
     assert set(pl.read_csv(tmp_path / "met.csv")["trusted [1 yes, 0 no]"]) == {0.0}
     assert finer.trusted
-    assert "TRUSTED" not in finer.summary()
+    assert "TRUSTED" not in summary_of(finer)
 
 
 def test_a_dot_takes_the_step_at_which_it_is_right(tmp_path: Path) -> None:

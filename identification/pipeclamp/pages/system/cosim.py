@@ -18,6 +18,7 @@ from pipeclamp_system.cosim.beating import cycle_amplitudes
 from pipeclamp_system.cosim.energy import NAMES
 from pipeclamp_system.cosim.repetition import LAST_SHARE
 from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.summary import summary_of
 
 SYMBOLS = {"s": "y", "A_used": "A"}
 """Of the columns that are drawn, as the clamp's law has them."""
@@ -43,7 +44,7 @@ def cosim_sections(
         for picture in (*histories, *tracked, *loops, balance):
             doubted(picture)
     return [
-        answer_section(result.summary().splitlines(), following),
+        answer_section(summary_of(result).splitlines(), following),
         *_beats_section(result),
         *([run_bands_section(bands)] if bands else []),
         Section("Motion", (), (), histories + tracked),

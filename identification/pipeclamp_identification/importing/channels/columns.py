@@ -28,6 +28,8 @@ LONGEST_OPTION = 250
 """Characters of an option that a message can hold whole."""
 PLACE = re.compile(r"#(\d{1,6})(?:\s*\[(.+)\])?")
 """A channel by its place, and the unit that the file states of it."""
+UNIT_BEHIND = re.compile(r"(.*\S)\s*\[([^\[\]]+)\]")
+"""A channel, and the unit that is stated behind it."""
 MOST_UNUSED = 4
 """Channels that aren't used, of which one line names so many."""
 
@@ -263,48 +265,96 @@ def _stated_column(table: RawTable, stated: Stated) -> Column:
     )
 
 
+@dataclass(frozen=True)
+class _Called:
+    """Channels of a name, and whether that holds the unit that the file states of them."""
+
+    channels: Sequence[Channel] = ()
+    with_own_unit: bool = False
+
+
 def channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
-    """Find a channel by its heading, its name, or either with a unit in brackets behind it."""
-    name = " ".join(stated.channel.split())
+    """Find a channel by its heading, its name, or either with a unit in brackets behind it, or by its place.
+
+    Returns:
+        the channel, and the unit that is stated behind it; "" for none.
+
+    Raises:
+        UserError: there is none, or there are several.
+        ContradictedUnitError: the file states another unit.
+    """
     if stated.ours == SEGMENT:
         # names of runs serve as well as their numbers
         table = replace(table, channels=(*table.channels, *table.labels))
-
-    def called(channel: Channel) -> set[str]:
-        return {" ".join(text.split()) for text in (channel.heading, channel.name, unit_in_name(channel.name)[0])}
-
-    exact = [channel for channel in table.channels if " ".join(channel.heading.split()) == name]
-    matches = exact or [channel for channel in table.channels if name in called(channel)]
-    unit = ""
-    if not matches and (parts := re.fullmatch(r"(.*\S)\s*\[([^\[\]]+)\]", name)):
+    name, unit = _one_blank(stated.channel), ""
+    found = _called(table, name)
+    if not found.channels and (parts := UNIT_BEHIND.fullmatch(name)):
         name, unit = parts[1], parts[2].strip()
-        exact = [channel for channel in table.channels if " ".join(channel.heading.split()) == name]
-        matches = exact or [channel for channel in table.channels if name in called(channel)]
-    if not matches and (number := PLACE.fullmatch(name)) and 0 < int(number[1]) <= len(table.channels):
-        matches = [table.channels[int(number[1]) - 1]]
-        # its own unit stands before the one that counts, as behind a name
-        exact = matches if number[2] and number[2] == unit_of(matches[0]) else []
-    headings = [channel.heading for channel in table.channels]
+        found = _called(table, name)
+    if not found.channels:
+        found = _at_place(table, name) if PLACE.fullmatch(name) else _called_in(table, name)
+    channel = _only_one(table, stated, name, found.channels)
+    own = unit_of(channel)
+    if unit and own and unit != own and not found.with_own_unit:
+        raise ContradictedUnitError(
+            f"--columns: got {stated.channel!r} (for {stated.ours}), but the file says {channel.heading!r}; "
+            f"expected its own unit, or {channel.heading} [{unit}] where the file is wrong"
+        )
+    return channel, unit
+
+
+def _one_blank(text: str) -> str:
+    """Give a text with one blank where there are several."""
+    return " ".join(text.split())
+
+
+def _called(table: RawTable, name: str) -> _Called:
+    """Give the channels whose heading a name is, else those whose name it is, with a unit in it or without."""
+    exact = [channel for channel in table.channels if _one_blank(channel.heading) == name]
+    if exact:
+        return _Called(exact, with_own_unit=True)
+    return _Called(
+        [one for one in table.channels if name in (_one_blank(one.name), _one_blank(unit_in_name(one.name)[0]))]
+    )
+
+
+def _called_in(table: RawTable, name: str) -> _Called:
+    """Give the channels of which the file states no unit, and whose unit the user says before the one that counts."""
+    parts = UNIT_BEHIND.fullmatch(name)
+    return _Called([one for one in _called(table, parts[1]).channels if not unit_of(one)] if parts else [])
+
+
+def _at_place(table: RawTable, name: str) -> _Called:
+    """Give the channel whose place a name is (`#3`); its own unit stands before the one that counts."""
+    number = PLACE.fullmatch(name)
+    if not number or not 0 < int(number[1]) <= len(table.channels):
+        return _Called()
+    channel = table.channels[int(number[1]) - 1]
+    return _Called([channel], with_own_unit=bool(number[2]) and number[2] == unit_of(channel))
+
+
+def _only_one(table: RawTable, stated: Stated, name: str, channels: Sequence[Channel]) -> Channel:
+    """Give the one channel that is called so.
+
+    Raises:
+        UserError: there is none, it holds texts, or there are several.
+    """
     text = next((one for one in table.unread if one.is_whole and name in (one.name, one.channel.heading)), None)
-    if not matches and text:
+    if not channels and text:
         raise UserError(f"--columns: {text.words()}; expected numbers (for {stated.ours})")
-    if not matches:
+    if not channels:
+        headings = [channel.heading for channel in table.channels]
         raise UserError(
             f"--columns: there is no channel {stated.channel!r} (for {stated.ours}); {did_you_mean(name, headings)}"
             f"there are {listed([*map(repr, headings)])}"
         )
-    if len(matches) > 1:
+    if len(channels) > 1:
         raise UserError(
-            f"--columns: {len(matches)} channels are called {stated.channel!r} (for {stated.ours}): "
-            f"{listed([repr(channel.heading) for channel in matches])}; expected one of them, whole, or by its place "
-            f"(#{table.channels.index(matches[0]) + 1})"
+            f"--columns: {len(channels)} channels are called {stated.channel!r} (for {stated.ours}): "
+            f"{listed([repr(channel.heading) for channel in channels])}; expected one of them, whole, or by its place "
+            f"(#{table.channels.index(channels[0]) + 1})"
         )
-    if unit and (own := unit_of(matches[0])) and exact == [] and unit != own:
-        raise ContradictedUnitError(
-            f"--columns: got {stated.channel!r} (for {stated.ours}), but the file says {matches[0].heading!r}; "
-            f"expected its own unit, or {matches[0].heading} [{unit}] where the file is wrong"
-        )
-    return matches[0], unit
+    return channels[0]
 
 
 def refuse_open_questions(where: str, mapped: Mapped) -> None:

@@ -57,38 +57,57 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
         UserError: no table does, or what a channel is, is open and nobody can be asked.
     """
     results = [table for table in source.tables if holds_results(table, stated)]
-    tables = tuple(table for table in source.tables if not any(table is one for one in results))
-    if not tables:
+    records = tuple(table for table in source.tables if not any(table is one for one in results))
+    if not records:
         raise ResultsFileError(where_of(source, results[0]), results_words(results[0], stated))
-    whole = [table for table in tables if _is_whole(table, stated)]
-    if not whole or len(tables) == 1:
-        parts = by_own_times(tables[0]) if len(tables) == 1 else tables
-        # displacement and force are a test, which others join; an event's few samples don't cut it short
-        moved = [any(rank(one, own) for one in MOVED for own in table.channels) for table in parts]
-        test = joined_rates([table for table, moves in zip(parts, moved, strict=True) if moves])
-        if test and _is_whole(test, stated):
-            tables = (test, *(table for table, moves in zip(parts, moved, strict=True) if not moves))
-            whole = [test]
-    if len(tables) > 1 and len(whole) < 2:
-        joined = joined_rates(tables, whole[0] if whole else None)
-        if joined and _is_whole(joined, stated):
-            tables = (joined,)
+    tables = _brought_together(records, stated)
     found = [(table, _mapped(source, table, stated, rate, several=len(tables) > 1)) for table in tables]
     complete = any(mapped and not mapped.questions for _, mapped in found)
-    used: list[tuple[RawTable, Mapped]] = []
-    aside = []
-    for table, mapped in found:
-        if mapped is None or (complete and any(one.is_missing for one in mapped.questions)):
-            aside.append(table.name)
-            continue
-        if mapped.questions and ask and mapped.is_answerable() and not mapped.without_time:
+    used = [(table, mapped) for table, mapped in found if mapped and not (complete and _lacks_something(mapped))]
+    for table, mapped in used:
+        if ask and _can_be_answered(mapped):
             return Open(where_of(source, table), mapped)
         refuse_open_questions(where_of(source, table), mapped)
-        used.append((table, mapped))
     if not used:
         table = max(tables, key=lambda one: len(one.channels))
         refuse_open_questions(where_of(source, table), _mapped_or_refused(source, table, stated))
-    return MappedFile(tuple(used), (*aside, *(table.name for table in results)))
+    aside = [table for table in tables if not any(table is one for one, _ in used)]
+    return MappedFile(tuple(used), tuple(table.name for table in (*aside, *results)))
+
+
+def _lacks_something(mapped: Mapped) -> bool:
+    """Tell whether nothing in the table looks like one of the quantities."""
+    return any(one.is_missing for one in mapped.questions)
+
+
+def _can_be_answered(mapped: Mapped) -> bool:
+    """Tell whether something is open that somebody can answer with the table's channels."""
+    return bool(mapped.questions) and mapped.is_answerable() and not mapped.without_time
+
+
+def _brought_together(tables: tuple[RawTable, ...], stated: Sequence[Stated]) -> tuple[RawTable, ...]:
+    """Give tables with those joined that hold channels of one test, each with a time of its own."""
+    whole = [table for table in tables if _is_whole(table, stated)]
+    if not whole or len(tables) == 1:
+        # displacement and force are a test, which others join; an event's few samples don't cut it short
+        parts = by_own_times(tables[0]) if len(tables) == 1 else tables
+        moved = [any(rank(one, own) for one in MOVED for own in table.channels) for table in parts]
+        test = _joined_test([table for table, moves in zip(parts, moved, strict=True) if moves], stated)
+        if test:
+            tables = (test, *(table for table, moves in zip(parts, moved, strict=True) if not moves))
+            whole = [test]
+    if len(tables) > 1 and len(whole) < 2:
+        joined = _joined_test(tables, stated, whole[0] if whole else None)
+        return (joined,) if joined else tables
+    return tables
+
+
+def _joined_test(
+    tables: Sequence[RawTable], stated: Sequence[Stated], whole: RawTable | None = None
+) -> RawTable | None:
+    """Give tables on the times of one, the whole test's if there is one; None where no test comes of it."""
+    joined = joined_rates(tables, whole)
+    return joined if joined and _is_whole(joined, stated) else None
 
 
 def _is_whole(table: RawTable, stated: Sequence[Stated]) -> bool:

@@ -66,11 +66,11 @@ class Question:
 
     def as_others(self, units: Mapping[str, str]) -> Question:
         """Give it with the choice first that other files state, which is said; `units` by names of channels."""
-        told = [one for one in self.choices if one.text.endswith(f" [{units.get(one.channel)}]")]
-        if not told:
+        theirs = [one for one in self.choices if one.text.endswith(f" [{units.get(one.channel)}]")]
+        if not theirs:
             return self
-        why = f"{self.why}; other files state {units[told[0].channel]}"
-        return replace(self, why=why, choices=(*told, *(one for one in self.choices if one not in told)))
+        why = f"{self.why}; other files state {units[theirs[0].channel]}"
+        return replace(self, why=why, choices=(*theirs, *(one for one in self.choices if one not in theirs)))
 
 
 def find(
@@ -118,7 +118,9 @@ def _which(quantity: Quantity, best: Sequence[Channel]) -> Question:
 
 def _in_which_unit(quantity: Quantity, channel: Channel) -> Question:
     units = USUAL[quantity]
-    if quantity == "time" and len(channel.values) > 1 and abs(float(np.nanmedian(np.diff(channel.values)))) >= SLOW:
+    # of a time that stands in every other row no two samples follow each other
+    steps = np.diff(channel.values[np.isfinite(channel.values)])
+    if quantity == "time" and len(steps) and abs(float(np.median(steps))) >= SLOW:
         units = units[::-1]
     return Question(
         quantity,
@@ -149,40 +151,62 @@ def _in_another_unit(quantity: Quantity, called: Sequence[Channel], channels: Se
 
 def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel], stated: Mapping[str, str]) -> Question:
     """Ask which channel is a quantity that none is called; those without a unit come first. Arguments as of `find`."""
-    # what surely is something else would serve, but wrongly
     reached = [one for one in table.channels if is_extreme(quantity, one)]
     if len(reached) > 1:
         why = f"{reached[0].heading!r} is what a cycle reached, no sample of the {quantity}: take the file of samples"
         return Question(quantity, why, (), is_missing=True)
+    speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
+    likely = _likely(quantity, channels)
+    if speed:
+        likely = [one for one in likely if not quantity_of_unit(unit_of(one)) and one is not speed]
+    why = _why_missing(quantity, table, speed, stated)
+    return Question(quantity, why, _choices(quantity, likely), is_missing=True)
+
+
+def _likely(quantity: Quantity, channels: Sequence[Channel]) -> list[Channel]:
+    """Give the channels that may be a quantity that none is called, likeliest first."""
+    # what surely is something else would serve, but wrongly
     some = [
         one
         for one in channels
         if not is_count(one) and not is_something_else(quantity, one) and rank(SEGMENT, one) < NAMED
     ]
-    likely = [one for one in some if unit_of(one) in NO_UNIT]
-    # what is in a unit of something else is no time
-    if quantity == "time":
-        likely = [one for one in some if unit_of(one) in NO_UNIT or fits_unit("time", unit_of(one))]
-        likely = [one for one in likely if _rises(one.values)]
-    else:
-        others = [one for one in some if unit_of(one) not in NO_UNIT]
-        likely += sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))
-    if quantity != "time":
-        rates = _likeness_to_rates(likely)
-        likely.sort(key=lambda one: rates[one.heading])
-    likely.sort(key=lambda one: one.name.casefold().strip() not in SYMBOLS.get(quantity, ()))
+    likely = _likely_times(some) if quantity == "time" else _likely_motions(some)
+    return sorted(likely, key=lambda one: one.name.casefold().strip() not in SYMBOLS.get(quantity, ()))
+
+
+def _likely_times(channels: Sequence[Channel]) -> list[Channel]:
+    """Give the channels that rise as a time does; what is in a unit of something else is no time."""
+    fitting = [one for one in channels if unit_of(one) in NO_UNIT or fits_unit("time", unit_of(one))]
+    return [one for one in fitting if _rises(one.values)]
+
+
+def _likely_motions(channels: Sequence[Channel]) -> list[Channel]:
+    """Give the channels by their units: of none, of a unit that nobody knows, of another quantity; rates come last."""
+    plain = [one for one in channels if unit_of(one) in NO_UNIT]
+    others = [one for one in channels if unit_of(one) not in NO_UNIT]
+    by_unit = [*plain, *sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))]
+    rates = _likeness_to_rates(by_unit)
+    return sorted(by_unit, key=lambda one: rates[one.heading])
+
+
+def _why_missing(quantity: Quantity, table: RawTable, speed: Channel | None, stated: Mapping[str, str]) -> str:
+    """Say why no channel is a quantity.
+
+    Args:
+        quantity: the quantity.
+        table: as a file holds it.
+        speed: a channel that is one, where the displacement is missing.
+        stated: what the user says that channels are, by heading.
+    """
+    texts = [column for column in table.unread if column.is_whole and rank(quantity, column.channel)]
+    if texts:
+        return f"{texts[-1].words()}, so there is no {quantity}: export it as numbers"
+    if speed:
+        return f"{speed.heading!r} is a speed, and forces over speeds are no loops: take the records"
     other = next((one.heading for one in table.channels if one.heading in stated and rank(quantity, one)), None)
     why = f"no {'other ' if other else ''}channel is called a {quantity} or is in a unit of one"
-    if other is not None:
-        why = f"--columns states {other!r} as {stated[other]}, and {why}"
-    speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
-    if speed:
-        likely = [one for one in likely if not quantity_of_unit(unit_of(one)) and one is not speed]
-        why = f"{speed.heading!r} is a speed, and forces over speeds are no loops: take the records"
-    for column in table.unread:
-        if column.is_whole and rank(quantity, column.channel):
-            why = f"{column.words()}, so there is no {quantity}: export it as numbers"
-    return Question(quantity, why, _choices(quantity, likely), is_missing=True)
+    return why if other is None else f"--columns states {other!r} as {stated[other]}, and {why}"
 
 
 def _rises(values: Array) -> bool:

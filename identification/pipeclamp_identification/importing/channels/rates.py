@@ -46,8 +46,8 @@ def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> Ra
                 taken.add(channel.heading)
                 channels.append(Channel(channel.name, channel.unit, np.interp(time[within], own, channel.values)))
     moved = [repr(channel.heading) for channel in channels[len(chosen.channels) :]]
-    told = f"put on the times of the {'test' if whole else 'fastest channel'} by straight lines: {listed(moved)}"
-    joined = (*chosen.joined, told)
+    words = f"put on the times of the {'test' if whole else 'fastest channel'} by straight lines: {listed(moved)}"
+    joined = (*chosen.joined, words)
     return replace(chosen, name="", channels=tuple(channels), labels=(), titles=(), joined=joined)
 
 

@@ -36,14 +36,14 @@ class Trace:
         motion: the displacement without blanks and spikes, mm, shape (n,), by which runs are told apart.
         further: conditions that were measured, by column of runs.csv, shape (n,) each.
         places: of each sample in the table, counted from 0, shape (n,).
-        told: what was done.
+        done: what was done.
     """
 
     record: Record
     motion: Array
     further: Mapping[str, Array]
     places: Array
-    told: tuple[str, ...]
+    done: tuple[str, ...]
 
 
 LOOKED_AT = 1_000_000
@@ -116,7 +116,8 @@ def counted_before(table: RawTable, columns: Sequence[Column], begins: Sequence[
         begins: rows at which pieces begin, and the end.
     """
     column = next((one for one in columns if one.ours == SEGMENT), None)
-    if column is None or not counts_cycles(column.heading):
+    # texts are held by their places among each other, which count nothing
+    if column is None or not counts_cycles(column.heading) or label_column(table, columns) is not None:
         return None
     count = turned(table, column, None)
     if not np.all(np.isfinite(count)) or np.any(count != np.round(count)) or np.any(count < 0):
@@ -160,7 +161,7 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
         values = {name: samples[kept] for name, samples in values.items()}
     lost = len(kept) - len(places)
     rows = counted(lost, "row")
-    told = [f"{rows} without time, or with a stamp that time goes back to or from, left aside"] if lost else []
+    left_aside = [f"{rows} without time, or with a stamp that time goes back to or from, left aside"] if lost else []
     _refuse_below_zero(where, columns, values)
     displacement, no_displacement = without_codes("displacement_mm", values["displacement"])
     force, no_force = without_codes("force_N", values["force"])
@@ -180,7 +181,7 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
         mended_channel("displacement_mm", record.displacement_mm),
         further,
         places.astype(np.float64),
-        (*told, *no_displacement, *no_force),
+        (*left_aside, *no_displacement, *no_force),
     )
 
 

@@ -8,20 +8,21 @@ import re
 import zipfile
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeclamp_identification.importing.raw import (
+    Channel,
     Damaged,
     Format,
     LabelColumn,
     RawTable,
     Unread,
     refuse_rows,
-    table_of,
 )
 from pipeclamp_identification.importing.texts.above import temperature_above
 from pipeclamp_identification.importing.texts.labels import Labels
@@ -95,58 +96,127 @@ def _refuse_far_cells(name: str, chunks: Iterator[bytes]) -> None:
         raise Damaged(f"claims {max(columns * rows, repeats):g} cells in {name}; expected a table of numbers")
 
 
+@dataclass(frozen=True)
+class _Body:
+    """The rows of a sheet that hold its numbers.
+
+    Attributes:
+        rows: the cells; rows may be of unequal lengths.
+        above: how many rows stand above.
+        names: of each column.
+        units: of each column; seconds of stamps of time.
+        places: the columns with numbers.
+    """
+
+    rows: list[list[Any]]
+    above: int
+    names: Sequence[str]
+    units: Sequence[str]
+    places: Sequence[int]
+
+    def channels(self) -> tuple[Channel, ...]:
+        """Give the columns with numbers."""
+        return tuple(
+            Channel(
+                self.names[place],
+                self.units[place],
+                np.array([_nan(_cell(row, place)) for row in self.rows], dtype=np.float64),
+            )
+            for place in self.places
+        )
+
+    @cached_property
+    def texts(self) -> dict[int, list[tuple[int, str]]]:
+        """Give what of each column is text, each with its row, from 0."""
+        found = {place: _texts(self.rows, place) for place in range(len(self.names))}
+        return {place: texts for place, texts in found.items() if texts}
+
+    def unread(self) -> tuple[Unread, ...]:
+        """Give the columns that hold texts, or some."""
+        return tuple(
+            Unread(
+                self.names[place],
+                self.units[place],
+                len(texts),
+                self.above + texts[0][0] + 1,
+                texts[0][1],
+                is_whole=place not in self.places,
+            )
+            for place, texts in self.texts.items()
+        )
+
+    def labels(self) -> tuple[LabelColumn, ...]:
+        """Give the columns of texts alone that may tell runs apart."""
+        columns = [
+            _labels(self.rows, place, self.names[place], self.units[place])
+            for place in self.texts
+            if place not in self.places
+        ]
+        return tuple(column for column in columns if column)
+
+
 def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
     """Give the table of a sheet: where numbers begin, with names and units above."""
+    first, end = _extent(rows)
+    if first == end:
+        return []
+    cells = rows[first:end]
+    places = sorted({place for row in cells for place, cell in enumerate(row) if _is_number(cell)})
+    refuse_rows(len(cells), len(places))
+    wide = max(map(len, cells))
+    header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
+    names, units, titles = names_above(header[-HEADER_ROWS:], wide)
+    _refuse_other_columns(name, cells, first, names, units)
+    body = _Body(cells, first, names, _with_seconds(units, cells, places), places)
+    return [
+        RawTable(
+            name,
+            body.channels(),
+            first + 1,
+            (f"sheet {name!r}",),
+            body.unread(),
+            body.labels(),
+            tuple(titles[place] for place in places),
+            above=temperature_above(row for row in header if not is_header(row, names)),
+        )
+    ]
+
+
+def _extent(rows: list[list[Any]]) -> tuple[int, int]:
+    """Give the rows of a sheet's table, as (first, one after the last); both 0 where it has none.
+
+    A header may hold numbers: rows are as most, with numbers in the columns that mostly have them.
+    """
     counts = [_count(row) for row in rows]
     some = [place for place, count in enumerate(counts) if count >= FEWEST_NUMBERS]
     if not some:
-        return []
-    # a header may hold numbers: rows are as most, with numbers in the columns that mostly have them
+        return 0, 0
     among: Counter[int] = Counter(place for row in some for place, cell in enumerate(rows[row]) if _is_number(cell))
     usual = [place for place, count in among.items() if 2 * count >= len(some)]
     first = next((row for row in some if all(_cell(rows[row], place) is not None for place in usual)), some[0])
     while first and counts[first - 1] >= max(FEWEST_NUMBERS, CLEAR * len(usual)):
         first -= 1
-    last = some[-1]
-    body = rows[first : last + 1]
-    places = sorted({place for row in body for place, cell in enumerate(row) if _is_number(cell)})
-    refuse_rows(len(body), len(places))
-    wide = max(map(len, body))
-    header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
-    names, units, titles = names_above(header[-HEADER_ROWS:], wide)
-    for number, row in enumerate(body, first + 1):
-        if any(isinstance(cell, str) and cell for cell in row) and is_other_header(
-            [_text(cell) for cell in row], names, units
-        ):
-            raise Damaged(f"sheet {name!r} has {OTHER_COLUMNS.format(number)}")
-    values = np.array([[_nan(_cell(row, place)) for place in places] for row in body], dtype=np.float64)
+    return first, some[-1] + 1
+
+
+def _refuse_other_columns(
+    sheet: str, body: list[list[Any]], above: int, names: Sequence[str], units: Sequence[str]
+) -> None:
+    """Refuse a sheet with another header within its table, `above` rows of the sheet standing above that.
+
+    Raises:
+        Damaged: it has one.
+    """
+    for number, row in enumerate(body, above + 1):
+        some_text = any(isinstance(cell, str) and cell for cell in row)
+        if some_text and is_other_header([_text(cell) for cell in row], names, units):
+            raise Damaged(f"sheet {sheet!r} has {OTHER_COLUMNS.format(number)}")
+
+
+def _with_seconds(units: Sequence[str], body: list[list[Any]], places: Sequence[int]) -> list[str]:
+    """Give the columns' units, seconds for those of stamps of time, which are read so."""
     timed = {place for place in places if isinstance(_filled(body, place), CLOCK)}
-    stated = ["s" if place in timed else units[place] for place in range(wide)]
-    channels = [(names[place], stated[place], values[:, column]) for column, place in enumerate(places)]
-    (table,) = table_of(name, channels)
-    texts = [_texts(body, place) for place in range(wide)]
-    unread = tuple(
-        Unread(names[place], stated[place], len(own), first + own[0][0] + 1, own[0][1], is_whole=place not in places)
-        for place, own in enumerate(texts)
-        if own
-    )
-    labels = tuple(
-        column
-        for place, own in enumerate(texts)
-        if own and place not in places and (column := _labels(body, place, names[place], stated[place]))
-    )
-    return [
-        RawTable(
-            name,
-            table.channels,
-            first + 1,
-            (f"sheet {name!r}",),
-            unread,
-            labels,
-            tuple(titles[place] for place in places),
-            above=temperature_above(row for row in header if not is_header(row, names)),
-        )
-    ]
+    return ["s" if place in timed else unit for place, unit in enumerate(units)]
 
 
 def _labels(body: list[list[Any]], place: int, name: str, unit: str) -> LabelColumn | None:

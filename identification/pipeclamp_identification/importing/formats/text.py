@@ -210,7 +210,7 @@ class _Columns:
         plain = text.str.replace(",", ".", literal=True, n=1)
         return plain.set(text.str.contains(".", literal=True).fill_null(False), None)
 
-    def tables(self, told: str) -> list[RawTable]:
+    def tables(self, read_as: str) -> list[RawTable]:
         """Give the tables.
 
         Raises:
@@ -258,7 +258,7 @@ class _Columns:
                 name,
                 tuple(Channel(layout.names[place], units[place], values[place][first:last]) for place in numeric),
                 layout.first + first + 1,
-                (told,),
+                (read_as,),
                 tuple(unread),
                 tuple(replace(column, values=column.values[first:last]) for column in labels.values()),
                 tuple(layout.titles[place] for place in numeric),

@@ -120,7 +120,7 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
     # what isn't laid out has the time of its samples, in which cycles mean nothing
     usable = (
-        _usable(repaired.record, piece.timed) if piece.timed or repaired.told else _free(clean.record, HARDLY_TURNS)
+        _usable(repaired.record, piece.timed) if piece.timed or repaired.done else _free(clean.record, HARDLY_TURNS)
     )
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
@@ -136,7 +136,7 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
         record=path,
         seen=seen,
         done=(
-            *(*after, *trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
+            *(*after, *trace.done, *whole.done, *slow.done, *clean.done, *repaired.done, *words),
             *(moved for name, values in further.items() if (moved := moved_words(name, values))),
         ),
         further={name: _mean(values) for name, values in further.items()},
@@ -170,8 +170,8 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
         if timed:
             check_clipping(record, cycles)
     except SensorFailure as failure:
-        record, told = without_clipped_cycles(record, cycles, failure)
-        words = (told,)
+        record, cut = without_clipped_cycles(record, cycles, failure)
+        words = (cut,)
         cycles = find_cycles(record)
         check_clipping(record, cycles)
     if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):

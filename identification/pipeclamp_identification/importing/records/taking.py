@@ -113,7 +113,7 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         file=source.name,
         sha256=digest,
         format=source.format,
-        read_as="; ".join([*first.told, *first.joined, *(one.words() for one in tables[0].unread), *above_first]),
+        read_as="; ".join([*first.read_as, *first.joined, *(one.words() for one in tables[0].unread), *above_first]),
         columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
     )
     return TakenFile(file, tuple(tables), used.aside)
@@ -173,7 +173,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     for number, ((first, last), rows) in enumerate(zip(itertools.pairwise(begins), pieces, strict=True)):
         yield Piece(
             where=where,
-            table=RawTable(table.name, rows.channels, table.first_row + rows.begin, table.told),
+            table=RawTable(table.name, rows.channels, table.first_row + rows.begin, table.read_as),
             columns=columns,
             rate=way.rate,
             timed=timed_here,

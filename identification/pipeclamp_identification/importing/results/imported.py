@@ -33,7 +33,7 @@ class ImportedResults:
         campaign: all its tests.
         imported: campaign.toml's table of that name.
         pattern: that the names of files seem to follow, where they state what nothing else does.
-        told: what to know of the files.
+        of_files: what to know of the files.
         written: whether anything was.
     """
 
@@ -45,7 +45,7 @@ class ImportedResults:
     campaign: MetricCampaign
     imported: Imported
     pattern: str
-    told: tuple[str, ...]
+    of_files: tuple[str, ...]
     written: bool
     thing: Thing = "test"
 
@@ -66,7 +66,7 @@ class ImportedResults:
 
     def notes(self) -> tuple[str, ...]:
         """Give what to know of the campaign, of its columns and units first."""
-        return (*self.told, *_weak_words(self.campaign))
+        return (*self.of_files, *_weak_words(self.campaign))
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""

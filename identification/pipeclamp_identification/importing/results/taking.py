@@ -41,14 +41,14 @@ class TakenResults:
         stem: what its tests are named by.
         rows: of runs.csv, and where each is from.
         cut: rows of the file that can't be used.
-        told: what to know of it.
+        notes: what to know of it.
     """
 
     file: ImportedFile
     stem: str
     rows: tuple[tuple[Row, ImportedRun], ...]
     cut: tuple[ImportedCut, ...]
-    told: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
 def taken_results(source: SourceFile, sha256: str, options: Options, names: Collection[str]) -> TakenResults:
@@ -76,11 +76,11 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
     rows: list[tuple[Row, ImportedRun]] = []
     cut: list[ImportedCut] = []
     aside = [repr(table.name) for table in source.tables if not any(table is one for one in tables)]
-    told = [f"left aside, for they hold no results: {listed(aside)}"] if aside else []
+    notes = [f"left aside, for they hold no results: {listed(aside)}"] if aside else []
     for table in tables:
         found = _found_in(source, table, options, stated)
         columns |= _columns_of(found)
-        told += _told_of(found, table, temperature_known="temperature_C" in stated or "temperature" in columns)
+        notes += _notes_on(found, table, temperature_known="temperature_C" in stated or "temperature" in columns)
         own = f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem
         name = _free_name(own, table, {*names, *(run.run for _, run in rows)})
         rows += _rows_of(found, table, name, source.name, stated)
@@ -89,7 +89,7 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
             for first, last, why in _joined(found.left_out)
         ]
     file = ImportedFile(file=source.name, sha256=sha256, format=source.format, columns=columns)
-    return TakenResults(file, stem, tuple(rows), tuple(cut), tuple(told))
+    return TakenResults(file, stem, tuple(rows), tuple(cut), tuple(notes))
 
 
 def _found_in(source: SourceFile, table: RawTable, options: Options, stated: Settings) -> ResultRows:
@@ -116,16 +116,16 @@ def _columns_of(found: ResultRows) -> dict[str, ImportedColumn]:
     }  # fmt: skip
 
 
-def _told_of(found: ResultRows, table: RawTable, *, temperature_known: bool) -> list[str]:
+def _notes_on(found: ResultRows, table: RawTable, *, temperature_known: bool) -> list[str]:
     """Say what to know of a table; of a temperature above it, unless another is known."""
-    told = [*found.notes, *left_out_words(found.left_out, table.length)]
+    notes = [*found.notes, *left_out_words(found.left_out, table.length)]
     unread = [one for one in table.unread if not (one.is_whole and names_specimen(one.name))]
-    told += [f"{one.words()}; such cells count as blank" for one in unread]
+    notes += [f"{one.words()}; such cells count as blank" for one in unread]
     if found.unused:
-        told.append(f"not used: {listed([*map(repr, found.unused)])}{_as_condition(found)}")
+        notes.append(f"not used: {listed([*map(repr, found.unused)])}{_as_condition(found)}")
     if table.above and not temperature_known:
-        told.append(table.above.words)
-    return told
+        notes.append(table.above.words)
+    return notes
 
 
 def _as_condition(found: ResultRows) -> str:

@@ -51,8 +51,8 @@ def import_results(request: ImportRequest) -> ImportedResults:
         )
     before = existing.imported if existing else Imported()
     taken = _taken(files, request.options, existing, tell)
-    told = (*restored, *taken.told, *request.passed_over_words())
-    made = _Made(folder, taken, before, told, request.options)
+    notes = (*restored, *taken.notes, *request.passed_over_words())
+    made = _Made(folder, taken, before, notes, request.options)
     if existing and not taken.files and not is_left_out_anew(taken.left_out, existing):
         return made.found(folder, written=False)
     with request.staged() as work:
@@ -75,7 +75,7 @@ class _Taken:
     files: tuple[TakenResults, ...]
     known: tuple[str, ...]
     left_out: tuple[LeftOutFile, ...]
-    told: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
 def _taken(files: Sequence[Path], options: Options, existing: Existing | None, tell: Progress) -> _Taken:
@@ -101,13 +101,13 @@ def _taken(files: Sequence[Path], options: Options, existing: Existing | None, t
     left_out = left_out_files(unusable, len(files), before, options.leave_out)
     alike: dict[str, list[str]] = {}
     for one in taken:
-        for words in one.told:
+        for words in one.notes:
             alike.setdefault(words, []).append(one.file.file)
-    told = [f"{listed(files_told, most=1)}: {words}" for words, files_told in alike.items()]
+    notes = [f"{listed(own_files, most=1)}: {words}" for words, own_files in alike.items()]
     if taken and not any(one.rows for one in taken):
-        raise UserError("\n  ".join(["no row of results can be used", *told]))
-    told = [*listed_why([(one.file, one.why) for one in left_out]), *contents.notes, *told]
-    return _Taken(tuple(taken), tuple(contents.again), left_out, tuple(told))
+        raise UserError("\n  ".join(["no row of results can be used", *notes]))
+    notes = [*listed_why([(one.file, one.why) for one in left_out]), *contents.notes, *notes]
+    return _Taken(tuple(taken), tuple(contents.again), left_out, tuple(notes))
 
 
 def _imported(before: Imported, taken: _Taken, software: str) -> Imported:
@@ -130,14 +130,14 @@ class _Made:
         folder: where it will lie.
         taken: its files.
         imported: campaign.toml's table of that name.
-        told: what to know of it.
+        notes: what to know of it.
         options: what the user states.
     """
 
     folder: Path
     taken: _Taken
     imported: Imported
-    told: tuple[str, ...]
+    notes: tuple[str, ...]
     options: Options
 
     def found(self, work: Path, *, written: bool) -> ImportedResults:
@@ -167,6 +167,6 @@ class _Made:
             campaign=campaign,
             imported=self.imported,
             pattern=guessed_pattern([one.stem for one in files]) if asked else "",
-            told=self.told,
+            of_files=self.notes,
             written=written,
         )

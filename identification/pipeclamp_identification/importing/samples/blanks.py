@@ -37,7 +37,7 @@ class Whole:
     record: Record
     first: int
     last: int
-    told: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
 
 
 def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
@@ -55,7 +55,7 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
     if not any(np.any(gone) for gone in blank.values()) and max(still.values()) < FEWEST_ON_A_PLATEAU:
         return Whole(record, 0, len(record.time_s))
     cycle = _samples_of_cycle(on_lines(record.displacement_mm, blank["displacement_mm"]))
-    told: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
     for name, other in (MOVING, MOVING[::-1]):
         held = _held(record.channels[name], record.channels[other], cycle)
         for begin, end in held:
@@ -63,7 +63,7 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
         if held:
             begin, end = held[0]
             more = f", and {len(held) - 1} times more" if len(held) > 1 else ""
-            told += (
+            done += (
                 f"{name} stands at {record.channels[name][begin]:g} for {end - begin} samples from row {row(begin)} "
                 f"on, while {other} moves{more}: taken as blank",
             )
@@ -79,7 +79,7 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
         words += str(row(int(np.argmax(cut))))
         if last - first < max(FEWEST_CYCLES * cycle, 2):
             raise UnusableRecord(f"{words}; no {FEWEST_CYCLES} cycles in a row are without")
-        told += (f"{words}: cut off, the longest stretch without them is kept",)
+        done += (f"{words}: cut off, the longest stretch without them is kept",)
     kept = {}
     for name, gone in blank.items():
         count = int(np.count_nonzero(gone[first:last]))
@@ -87,8 +87,8 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
             continue  # a temperature that this stretch doesn't have
         kept[name] = on_lines(record.channels[name], gone)[first:last]
         if count:
-            told += (f"{counted(count, 'blank sample')} in {name}: replaced by straight lines",)
-    return Whole(Record(**kept), first, last, told)
+            done += (f"{counted(count, 'blank sample')} in {name}: replaced by straight lines",)
+    return Whole(Record(**kept), first, last, done)
 
 
 def _longest_plateau(values: Array) -> int:

@@ -25,7 +25,7 @@ def without_codes(name: str, values: Array) -> tuple[Array, tuple[str, ...]]:
         name: of the channel.
         values: its samples, shape (n,); nan is blank.
     """
-    told: list[str] = []
+    done: list[str] = []
     kept = values
     for _ in range(MOST_KINDS):
         code = _code_of(kept[np.isfinite(kept)])
@@ -34,8 +34,8 @@ def without_codes(name: str, values: Array) -> tuple[Array, tuple[str, ...]]:
         gone = kept == code
         count = int(np.count_nonzero(gone))
         kept = np.where(gone, np.nan, kept)
-        told.append(f"{name} is {code:g} in {counted(count, 'sample')}, far off all others: taken as blank")
-    return kept, tuple(told)
+        done.append(f"{name} is {code:g} in {counted(count, 'sample')}, far off all others: taken as blank")
+    return kept, tuple(done)
 
 
 def _code_of(values: Array) -> float | None:

@@ -38,15 +38,15 @@ OF_TURN = 2e-3
 """Share of the fastest cycle below which a delay does no harm."""
 
 
-def common_delay(told: Sequence[tuple[float, float]]) -> ImportedDelay | None:
+def common_delay(of_runs: Sequence[tuple[float, float]]) -> ImportedDelay | None:
     """Give the delay of the force that all runs share; None where none is seen.
 
     Args:
-        told: frequency in Hz and delay in s of each run whose harmonics tell it.
+        of_runs: frequency in Hz and delay in s of each run whose harmonics tell it.
     """
-    if len(told) < FEWEST_RUNS:
+    if len(of_runs) < FEWEST_RUNS:
         return None
-    frequency, delays = np.array(sorted(told)).T
+    frequency, delays = np.array(sorted(of_runs)).T
     if frequency[-1] < FREQUENCIES_APART * frequency[0]:
         return None
     delay = float(np.median(delays))

@@ -43,7 +43,7 @@ class Repaired:
     """A record after a repair, and words on what was done."""
 
     record: Record
-    told: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
 
 
 def mended_channel(name: str, values: Array) -> Array:
@@ -60,15 +60,15 @@ def without_spikes(record: Record) -> Repaired:
     peak where a triangle turns. Nor is one that the samples on either side lead to.
     """
     changed: dict[str, Array] = {}
-    told: list[str] = []
+    done: list[str] = []
     for name, values in record.channels.items():
         # the displacement comes first, and shows where the motion turns once its own spikes are out
         motion = None if name == MOVING[0] else changed.get(MOVING[0], record.displacement_mm)
         samples, words = _despiked(name, values, motion)
         if words:
             changed[name] = samples
-            told.append(words)
-    return Repaired(replace(record, **changed) if changed else record, tuple(told))
+            done.append(words)
+    return Repaired(replace(record, **changed) if changed else record, tuple(done))
 
 
 def _peaks_of_turns(motion: Array, off: Array) -> npt.NDArray[np.bool_]:
@@ -151,14 +151,14 @@ def evened(record: Record) -> Repaired:
 
 def at_own_rate(record: Record) -> Repaired:
     """Give a record at the rate of its slowest channel, where a logger wrote each number of it several times over."""
-    told, keep, of = "", 1, 0
+    words, keep, of = "", 1, 0
     for name in MOVING:
         times, first = _times_held(record.channels[name])
         if times > keep:
-            keep, of, told = times, first % times, f"{name} holds each number for {times} samples: one of them is kept"
-    if not told:
+            keep, of, words = times, first % times, f"{name} holds each number for {times} samples: one of them is kept"
+    if not words:
         return Repaired(record)
-    return Repaired(Record(**{name: values[of::keep] for name, values in record.channels.items()}), (told,))
+    return Repaired(Record(**{name: values[of::keep] for name, values in record.channels.items()}), (words,))
 
 
 def _times_held(values: Array) -> tuple[int, int]:
