@@ -202,10 +202,11 @@ class Hearing:
         return np.array([min(own, without - one.squares) for own, one in zip(beside, self.refitted, strict=True)])
 
     def alike(self, place: int) -> BoolArray:
-        """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
+        """Tell which of the refitted terms are one of them, act as it does at their fitted values, or only add to it."""
         alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
         alike[place] = True
-        return alike
+        name = self.refitted[place].term.declaration.id
+        return np.asarray(alike | [name in one.term.shorter for one in self.refitted])
 
     def of(self, best: RefittedTerm, rivals: Sequence[RefittedTerm]) -> TermFound:
         """Ask a term, at its fitted values, among all the others."""
