@@ -202,7 +202,7 @@ class Hearing:
         return np.array([min(own, without - one.squares) for own, one in zip(beside, self.refitted, strict=True)])
 
     def alike(self, place: int) -> BoolArray:
-        """Tell which of the refitted terms are one of them, act as it does at their fitted values, or only add to it."""
+        """Tell which of the refitted terms are one of them, act as it does at their fitted values, or add to it."""
         alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
         alike[place] = True
         name = self.refitted[place].term.declaration.id
