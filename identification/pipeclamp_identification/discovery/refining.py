@@ -117,7 +117,7 @@ class Refining:
 def best_first(
     tried: Sequence[RefittedTerm], plain: RefittedTerm
 ) -> Iterator[tuple[RefittedTerm, Sequence[RefittedTerm]]]:
-    """Give refined forms that do better than the plain one, and what rivals each: the best, and the next where it fails.
+    """Give refined forms that better the plain one, and what rivals each: the best, and the next where it fails.
 
     The best may owe what it gains to numbers of the law that hardly anything determines, and the next be the right one.
 
