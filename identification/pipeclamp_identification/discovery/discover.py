@@ -111,12 +111,12 @@ def search(
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     found = diagnosed(file, campaign, loops, declared=declared, workers=workers)
+    if found.kind == "cause":
+        return TermSearch(found, None, 0, catalogue_first(found.effects))
     structure = structure_of(file).with_declared(declared)
     leaves_scatter = found.verdict == "complete" and found.diagnosis.is_adequate(found.diagnosis.law)
     if leaves_scatter and not structure.effects:
         return TermSearch(found, None, 0, NOTHING_MISSING)
-    if found.kind == "cause":
-        return TermSearch(found, None, 0, catalogue_first(found.effects))
     loops = _by_name(loops)
     groups = condition_groups(loops)
     kept = groups % KEPT_BACK == KEPT_BACK // 2

@@ -22,7 +22,7 @@ from pipeclamp_identification.discovery.hearing import (
     refitted_of,
 )
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
-from pipeclamp_identification.discovery.search import screened_columns
+from pipeclamp_identification.discovery.search import SAME_CORRELATION, screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure, with_effect
@@ -100,7 +100,7 @@ class Refining:
         ]
         tried = best_of_each(one for one in fitted if one.stands)
         wider = replace(hearing, refitted=[*hearing.refitted, *tried])
-        for best, rivals in best_first(tried, plain):
+        for best, rivals in best_first(tried, plain, wider):
             material = share_of_error(best.judged, plain.judged) >= MATERIAL_PART_SHARE
             if material and betters(best, plain, tried, hearing) and (found := wider.of(best, rivals)).passed:
                 return found, best, wider
@@ -115,24 +115,27 @@ class Refining:
 
 
 def best_first(
-    tried: Sequence[RefittedTerm], plain: RefittedTerm
+    tried: Sequence[RefittedTerm], plain: RefittedTerm, hearing: Hearing
 ) -> Iterator[tuple[RefittedTerm, Sequence[RefittedTerm]]]:
     """Give refined forms that better the plain one, and what rivals each: the best, and the next where it fails.
 
     The best may owe what it gains to numbers of the law that hardly anything determines, and the next be the right one.
+    Those that act the same are given once.
 
     Args:
         tried: refined forms.
         plain: the term as it is.
+        hearing: what they are asked with, they among its terms.
     """
-    left = list(tried)
+    left = [one for one in tried if one.squares <= plain.squares - RIVAL_LIKELIHOOD]
     for _ in range(MOST_ASKED):
-        left = [one for one in left if one.squares <= plain.squares - RIVAL_LIKELIHOOD]
         if not left:
             return
         best, rivals = best_of(left)
         yield best, rivals
-        left = [one for one in left if one is not best]
+        same = hearing.alike(hearing.refitted.index(best), SAME_CORRELATION)
+        gone = [one for one, each in zip(hearing.refitted, same, strict=True) if each]
+        left = [one for one in left if not any(one is other for other in gone)]
 
 
 def _contender(structure: Structure, form: Form) -> Contender:
