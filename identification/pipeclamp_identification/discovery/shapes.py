@@ -184,12 +184,9 @@ def _velocity(meaning: str, *shares: float) -> Entry:
 
 
 TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
-        "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
-CREEPS = {
-    power: tuple(f"{share} * (A_typical / A_0)**{power} / f_typical" for share in (0.005, 0.05, 0.5))
-    for power in (1, 2)
-}
-"""Times from which one that creeps is fitted, by its power: at a typical strain it flows slowly, or fast."""
+        "upper": "100 / f_lowest"}  # fmt: skip
+CREEPS = (0.005, 0.05, 0.5)
+"""Shares of a typical cycle in which an element that creeps is relaxed from a typical strain, where fits begin."""
 LEAST_LIMIT = 0.001
 """Where nothing holds, an element yields within this share of its way."""
 
@@ -232,11 +229,13 @@ def elements() -> Iterator[Shape]:
     # with a way of its own, too, its strength would be no number of its own: both scale what it stores
     strained = "z_x + (y - y_previous) / A_0"
     for power in (1, 2):
+        typical = f"(A_typical / A_0)**{power}"
+        time: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes from A_0",
+                "lower": f"1e-5 * {typical} / f_highest", "upper": f"1000 * {typical} / f_lowest",
+                "start": tuple(f"{share} * {typical} / f_typical" for share in CREEPS)}  # fmt: skip
         yield Shape(
             f"relaxing_{power}", "z_x",
-            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})",
-            ({**TIME, "meaning": "time in which it relaxes from A_0", "start": CREEPS[power],
-              "lower": "1e-6 / f_highest"},),
+            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (time,),
             state(f"({strained}) / (1 + h / t_x * abs({strained})**{power})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
         )  # fmt: skip
 
