@@ -123,8 +123,9 @@ CLOSING = {
 SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
 
 
-PERIOD_STARTS = (0.03, 0.045, 0.07, 0.1, 0.15, 0.22, 0.33, 0.5)
-"""Over the largest amplitude: a period is found only from a start that is near it."""
+PERIOD_STARTS = tuple(round(1 / waves, 4) for waves in (31, 27, 23, 19, 15, 11, 7, 3))
+"""Over the largest amplitude: a period is found only from a start that is in step with it, to a third of a turn at the
+largest amplitude, so that its inverses are what is equally far apart."""
 
 
 WHERE_IT_ACTS = (
