@@ -178,7 +178,7 @@ def test_what_grows_linearly_is_fitted_beside_what_grows_exponentially(monkeypat
 
 @pytest.mark.parametrize("length", np.geomspace(0.033, 0.4, 12))
 def test_a_period_is_in_step_with_one_that_it_is_sought_from(length):
-    """Between the starts of short periods lay some that no start showed: a second sine of half the length was missed."""
+    """Between the starts of short periods lay some that none showed: a second sine of half the length was missed."""
     y = np.linspace(-1.0, 1.0, 401)
     wanted = np.sin(y / length)
     alike = [np.corrcoef(wanted, np.sin(y / start))[0, 1] for start in PERIOD_STARTS]
