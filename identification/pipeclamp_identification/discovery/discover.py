@@ -60,6 +60,9 @@ MOST_HEARD = 3
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
 
+NOTHING_MISSING = "nothing is missing: what the law leaves over is scatter"
+NOTHING_BETTER = f"{NOTHING_MISSING}, and no term does better in the place of its effects"
+
 
 @dataclass(frozen=True)
 class TermSearch:
@@ -88,6 +91,8 @@ def search(
 ) -> TermSearch:
     """Search the grammar for a term that a law lacks.
 
+    Of a law that leaves scatter only, a term is sought in the place of its effects: several may stand for one.
+
     Args:
         file: the law.
         campaign: the tests.
@@ -106,14 +111,15 @@ def search(
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     found = diagnosed(file, campaign, loops, declared=declared, workers=workers)
-    if found.verdict == "complete":
-        return TermSearch(found, None, 0, "nothing is missing: what the law leaves over is scatter")
     if found.kind == "cause":
         return TermSearch(found, None, 0, catalogue_first(found.effects))
+    structure = structure_of(file).with_declared(declared)
+    leaves_scatter = found.verdict == "complete" and found.diagnosis.is_adequate(found.diagnosis.law)
+    if leaves_scatter and not structure.effects:
+        return TermSearch(found, None, 0, NOTHING_MISSING)
     loops = _by_name(loops)
     groups = condition_groups(loops)
     kept = groups % KEPT_BACK == KEPT_BACK // 2
-    structure = structure_of(file).with_declared(declared)
     problem, law = _weighed(structure, _rows(loops, ~kept), law_of(file).values)
     present = {declaration.id for declaration in structure.declared}
     every = [term for term in terms_asked(problem) if term.declaration.id not in present]
@@ -131,7 +137,7 @@ def search(
         beside = beside_another_law(columns, evaluation, other, every, workers.tell)
         return _asked(other, beside, basis.gone, bar, workers)
 
-    own = _asked(evaluation, columns, (), bar, workers)
+    own = NOTHING_BETTER if leaves_scatter else _asked(evaluation, columns, (), bar, workers)
     heard = [own] if isinstance(own, TermFound) else []
     heard += in_the_place_of_effects(law, problem, asked, workers)
     if not heard:

@@ -21,7 +21,7 @@ from pipeclamp_identification.discovery.guards import (
     not_in_the_catalogue,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.search import Screened, screened_columns
+from pipeclamp_identification.discovery.search import ALIKE_CORRELATION, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -201,11 +201,12 @@ class Hearing:
         beside = [float(screened_beside(one, groups).explained()[-1]) for one in self.refitted]
         return np.array([min(own, without - one.squares) for own, one in zip(beside, self.refitted, strict=True)])
 
-    def alike(self, place: int) -> BoolArray:
-        """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
-        alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
+    def alike(self, place: int, least: float = ALIKE_CORRELATION) -> BoolArray:
+        """Tell which of the refitted terms are one of them, act as it does at their fitted values, or add to it."""
+        alike = self.screened.alike(len(self.columns) + place, least)[len(self.columns) :]
         alike[place] = True
-        return alike
+        name = self.refitted[place].term.declaration.id
+        return np.asarray(alike | [name in one.term.shorter for one in self.refitted])
 
     def of(self, best: RefittedTerm, rivals: Sequence[RefittedTerm]) -> TermFound:
         """Ask a term, at its fitted values, among all the others."""

@@ -22,13 +22,15 @@ from pipeclamp_identification.discovery.hearing import (
     refitted_of,
 )
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
-from pipeclamp_identification.discovery.search import screened_columns
+from pipeclamp_identification.discovery.search import SAME_CORRELATION, screened_columns
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure, with_effect
 
 MOST_REFINED = 3
 """Terms, best first, of which refined forms are tried: what is missing may be a number of one that does worse."""
+MOST_ASKED = 3
+"""Refined forms, best first, that are asked until one passes."""
 MOST_JOINED = 6
 """Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
 GUARDS_IN_PLACE = ("more than chance", "comes back")
@@ -97,15 +99,12 @@ class Refining:
             for each in refitted_of(one, term, hearing.evaluation)
         ]
         tried = best_of_each(one for one in fitted if one.stands)
-        if not tried:
-            return None
-        best, rivals = best_of(tried)
-        material = share_of_error(best.judged, plain.judged) >= MATERIAL_PART_SHARE
-        if best.squares > plain.squares - RIVAL_LIKELIHOOD or not material or not betters(best, plain, tried, hearing):
-            return None
         wider = replace(hearing, refitted=[*hearing.refitted, *tried])
-        found = wider.of(best, rivals)
-        return (found, best, wider) if found.passed else None
+        for best, rivals in best_first(tried, plain, wider):
+            material = share_of_error(best.judged, plain.judged) >= MATERIAL_PART_SHARE
+            if material and betters(best, plain, tried, hearing) and (found := wider.of(best, rivals)).passed:
+                return found, best, wider
+        return None
 
     def _freed(self, one: RefittedTerm) -> Iterator[Form]:
         """Give a term with each of its numbers freed, and values to start from."""
@@ -113,6 +112,30 @@ class Refining:
         for term, starts in refinements(one.term, values, *self.varied):
             new = term.declaration.parameters[-1].symbol
             yield term, [{**values, new: start} for start in starts]
+
+
+def best_first(
+    tried: Sequence[RefittedTerm], plain: RefittedTerm, hearing: Hearing
+) -> Iterator[tuple[RefittedTerm, Sequence[RefittedTerm]]]:
+    """Give refined forms that better the plain one, and what rivals each: the best, and the next where it fails.
+
+    The best may owe what it gains to numbers of the law that hardly anything determines, and the next be the right one.
+    Those that act the same are given once.
+
+    Args:
+        tried: refined forms.
+        plain: the term as it is.
+        hearing: what they are asked with, they among its terms.
+    """
+    left = [one for one in tried if one.squares <= plain.squares - RIVAL_LIKELIHOOD]
+    for _ in range(MOST_ASKED):
+        if not left:
+            return
+        best, rivals = best_of(left)
+        yield best, rivals
+        same = hearing.alike(hearing.refitted.index(best), SAME_CORRELATION)
+        gone = [one for one, each in zip(hearing.refitted, same, strict=True) if each]
+        left = [one for one in left if not any(one is other for other in gone)]
 
 
 def _contender(structure: Structure, form: Form) -> Contender:

@@ -123,8 +123,9 @@ CLOSING = {
 SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
 
 
-PERIOD_STARTS = (0.03, 0.045, 0.07, 0.1, 0.15, 0.22, 0.33, 0.5)
-"""Over the largest amplitude: a period is found only from a start that is near it."""
+PERIOD_STARTS = tuple(round(1 / waves, 4) for waves in (31, 27, 23, 19, 15, 11, 7, 3))
+"""Over the largest amplitude: a period is found only from a start that is in step with it, to a third of a turn at the
+largest amplitude, so that its inverses are what is equally far apart."""
 
 
 WHERE_IT_ACTS = (
@@ -184,7 +185,9 @@ def _velocity(meaning: str, *shares: float) -> Entry:
 
 
 TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
-        "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
+        "upper": "100 / f_lowest"}  # fmt: skip
+CREEPS = (0.005, 0.05, 0.5)
+"""Shares of a typical cycle in which an element that creeps is relaxed from a typical strain, where fits begin."""
 LEAST_LIMIT = 0.001
 """Where nothing holds, an element yields within this share of its way."""
 
@@ -224,11 +227,17 @@ def elements() -> Iterator[Shape]:
         "slip_after_play", "(max(z_x - g_x, 0) - max(-z_x - g_x, 0)) / (1 - g_x)",
         "dry friction through a spring with play", (way, play), state(f"min(max({trial}, -1), 1)"),
     )  # fmt: skip
+    # with a way of its own, too, its strength would be no number of its own: both scale what it stores
+    strained = "z_x + (y - y_previous) / A_0"
     for power in (1, 2):
+        typical = f"(A_typical / A_0)**{power}"
+        time: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes from A_0",
+                "lower": f"1e-5 * {typical} / f_highest", "upper": f"1000 * {typical} / f_lowest",
+                "start": tuple(f"{share} * {typical} / f_typical" for share in CREEPS)}  # fmt: skip
         yield Shape(
             f"relaxing_{power}", "z_x",
-            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (way, TIME),
-            state(f"({trial}) / (1 + h / t_x * abs({trial})**{power})"), stored,
+            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (time,),
+            state(f"({strained}) / (1 + h / t_x * abs({strained})**{power})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
         )  # fmt: skip
 
 

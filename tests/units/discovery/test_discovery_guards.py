@@ -313,7 +313,7 @@ def test_a_law_may_hold_several_discovered_terms():
         candidate = by_id["found_local_spring"].declaration
         with_effect(structure.with_declared([candidate]), candidate.id).equations  # noqa: B018
     names = set(structure.equations.names)
-    assert {"F_1", "w_1", "r_1", "F_2", "w_2", "t_2", "s_2", "s_1", "l_1"} <= names
+    assert {"F_1", "w_1", "r_1", "F_2", "t_2", "s_2", "s_1", "l_1"} <= names
 
 
 def stand_in(monkeypatch, errors, weighed=None):

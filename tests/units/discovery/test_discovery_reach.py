@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.shapes import RATE, STRENGTH
+from pipeclamp_identification.discovery.shapes import PERIOD_STARTS, RATE, STRENGTH
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.realise.array_source import ArrayPrinter
@@ -174,3 +174,12 @@ def test_what_grows_linearly_is_fitted_beside_what_grows_exponentially(monkeypat
         (also,) = discover._related(law, [SimpleNamespace(term=one, squares=1.0, judged=fitted)], by_id)
         assert also.effects == (other.declaration.id,)
         assert also.starts == [values]
+
+
+@pytest.mark.parametrize("length", np.geomspace(0.033, 0.4, 12))
+def test_a_period_is_in_step_with_one_that_it_is_sought_from(length):
+    """Between the starts of short periods lay some that none showed: a second sine of half the length was missed."""
+    y = np.linspace(-1.0, 1.0, 401)
+    wanted = np.sin(y / length)
+    alike = [np.corrcoef(wanted, np.sin(y / start))[0, 1] for start in PERIOD_STARTS]
+    assert max(alike) > 0.4

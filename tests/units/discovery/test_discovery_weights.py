@@ -1,6 +1,7 @@
 """The tests are weighed again by the best term so far, and a refined form may be that of a term that did worse."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -96,3 +97,21 @@ def test_forms_of_a_term_that_a_bound_stops_are_tried_too(hearing, monkeypatch):
     stopped = replace(hearing, refitted=[square], stopped=[linear])
     assert Refining((("A", "f"), {}), ALONE)._one_more(square, stopped) is None
     assert asked == [SQUARE, LINEAR]
+
+
+def test_where_the_best_refined_form_fails_the_next_is_asked(hearing, monkeypatch):
+    """One that gained by numbers of the law that hardly anything determines had ended the search for the right one."""
+    _, linear, other = hearing.refitted
+    asked = []
+
+    def betters(best, plain, tried, hearing):
+        asked.append(best)
+        return len(asked) == 2
+
+    monkeypatch.setattr(refining, "may_join", lambda one, other: False)
+    monkeypatch.setattr(refining, "betters", betters)
+    monkeypatch.setattr(Hearing, "of", lambda self, best, rivals: SimpleNamespace(passed=True, term=best.term))
+    found, best, _ = Refining(((), {}), ALONE)._one_more(linear, replace(hearing, refitted=[linear, other]))
+    first, second = (one.term.declaration.id for one in asked)
+    assert first != second == found.term.declaration.id == best.term.declaration.id
+    assert asked[0].squares <= asked[1].squares + RIVAL_LIKELIHOOD
