@@ -37,6 +37,16 @@ LACK_OF_DAMPING = (
 CLOSE_ENDS_SHARE = 1e-3
 """Share of the frequency by which two curves end apart that nothing bounds, and end at one resonance."""
 
+SEARCH_TIMES, LEAST_SEARCH, MOST_SEARCH = 4.0, 1.5e6, 8e6
+"""Times the work of the curve itself that may be done to seek further branches, the least that may be, and the most of
+all: some minutes."""
+
+SEARCH_ENDED = (
+    "further branches were not sought to the end, which takes more work than is allowed: there may be more; a narrower "
+    "range of [response] is sought through"
+)
+"""Said of a curve whose search was cut short."""
+
 RUN_IT = "; run sines there in time by `pipeclamp cosim`"
 """Said where steady states are missing."""
 
@@ -57,6 +67,7 @@ class Curve:
         followed: states along the curve, round its turning points.
         detached: branches that nothing joins to it in its range.
         leaving: branches that leave it, or one of those.
+        sought_whole: whether they were sought to the end; else there may be more.
     """
 
     temperature: float | None
@@ -64,6 +75,7 @@ class Curve:
     followed: FollowedResponse
     detached: tuple[tuple[SteadyState, ...], ...] = ()
     leaving: tuple[tuple[SteadyState, ...], ...] = ()
+    sought_whole: bool = True
 
     @property
     def pieces(self) -> tuple[tuple[SteadyState, ...], ...]:
@@ -146,7 +158,10 @@ class FrequencyResponse:
                 for about, of_kind in ((_about_leaving, curve.leaving), (_about_detached, curve.detached))
                 for piece in of_kind
             )
-            lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
+            lines.append(
+                f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}"
+                f"{_about_search(curve)}"
+            )
         lines += [LACK_OF_DAMPING] if any(curve.followed.unbounded for curve in self.curves) else []
         lines += self._about_harmonics()
         lines += self.about_ranges()
@@ -290,6 +305,11 @@ def _about_missing(followed: FollowedResponse) -> str:
     return words
 
 
+def _about_search(curve: Curve) -> str:
+    """Say that further branches were not sought to the end."""
+    return "" if curve.sought_whole else f"; {SEARCH_ENDED}"
+
+
 def about_unbounded(followed: FollowedResponse) -> str:
     """Say where nothing bounds a response; curves that end there from both sides are no farther apart than rounding."""
     apart: list[float] = []
@@ -348,7 +368,11 @@ def run_response(path: Path, progress: Progress = silent, *, dots: bool = True) 
                 progress(label(temperature, level))
                 place = str(path)
                 system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
-                curve = curve_of(system, table, temperature, level, place)
+
+                def tell(what: str, where: str = label(temperature, level)) -> None:
+                    progress(f"{where}, {what}")
+
+                curve = curve_of(system, table, temperature, level, place, tell)
                 curves.append(curve)
                 for frequency in frequencies:
                     progress(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
@@ -380,13 +404,16 @@ def _marched_at(system: SteadySystem, followed: FollowedResponse, frequency: flo
     return found + [min(way, key=lambda state: abs(state.frequency - frequency)) for way in passed[1:]]
 
 
-def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
+def curve_of(
+    system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str,
+    tell: Progress = silent,
+) -> Curve:  # fmt: skip
     """Follow one curve, and seek what is detached from it.
 
     Raises:
         UserError: no steady state is found.
     """
-    followed = system.followed(table.from_Hz, table.to_Hz)
+    followed = system.followed(table.from_Hz, table.to_Hz, tell)
     if not followed.states:
         raise UserError(
             f"{where}: {label(temperature, level)}: no steady state is found from {table.from_Hz:g} to "
@@ -394,13 +421,16 @@ def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | No
         )
     if followed.in_time:  # a branch apart begins in the balance, which gives none there
         return Curve(temperature, level, followed)
-    if followed.unbounded:  # without damping there is no end of branches: only what lies between resonances is sought
-        between = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, over_levels=False)
-        return Curve(temperature, level, followed, between)
-    leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
-    detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)
-    leaving += leaving_branches(system, detached, table.from_Hz, table.to_Hz)
-    return Curve(temperature, level, followed, detached, leaving)
+    first, last = table.from_Hz, table.to_Hz
+    with system.work.at_most(float(np.clip(SEARCH_TIMES * system.work.done, LEAST_SEARCH, MOST_SEARCH))):
+        if followed.unbounded:  # without damping there is no end of branches: only those between resonances are sought
+            detached = detached_branches(system, followed.pieces, first, last, over_levels=False, tell=tell)
+            return Curve(temperature, level, followed, detached, sought_whole=not system.work.used_up)
+        tell("branches that leave it")
+        leaving = leaving_branches(system, followed.pieces, first, last)
+        detached = detached_branches(system, followed.pieces, first, last, leaving, tell=tell)
+        leaving += leaving_branches(system, detached, first, last)
+        return Curve(temperature, level, followed, detached, leaving, sought_whole=not system.work.used_up)
 
 
 def _at_most(unsteady: Sequence[Unsteady]) -> str:
