@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.static_stability import about_rest
 from pipeclamp_system.description.system import read_system
+from pipeclamp_system.steady.response import run_response
 
 E, OUTER, WALL, PLACE = 195e3, 60.3, 3.91, 2000.0
 """N/mm2 of 316L at 20 degC, mm."""
@@ -68,3 +70,21 @@ def test_a_run_that_leaves_its_rest_for_ever_says_so(system: Callable[..., Path]
 def test_a_run_that_comes_to_rest_elsewhere_warns(system: Callable[..., Path]) -> None:
     result = run_system(system({"k10": -2 * HELD, "k30": 5.0}))
     assert "the pipe leaves its rest" in result.warnings[0]
+
+
+def test_a_response_of_a_pipe_that_leaves_its_rest_says_so(system: Callable[..., Path]) -> None:
+    path = system({"k10": -2 * HELD})
+    more = "[response]\nfrom_Hz = 12.0\nto_Hz = 13.0\ndots = 0\n"
+    path.write_text(path.read_text(encoding="utf-8") + more, encoding="utf-8")
+    said_of_it = run_response(path).summary()
+    assert "warning: clamp 'clamp1' has a negative stiffness at rest" in said_of_it
+    assert "step_s" not in said_of_it
+
+
+def test_no_other_step_is_advised_where_the_pipe_swings_between_places_of_rest(system: Callable[..., Path]) -> None:
+    result = run_system(system({"k10": -2 * HELD, "k30": 5.0}))
+    ((what, rest),) = replace(result, step_error=0.2).doubts()
+    assert "errs by 20.00% for its steps" in what
+    assert "use step_s" not in rest
+    assert "leaves its rest" in rest
+    assert "step" not in replace(result, step_error=0.2).remedy()

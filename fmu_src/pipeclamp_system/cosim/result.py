@@ -53,6 +53,7 @@ class CosimResult:
         order: power of the step with which that falls, as the other run tells; None where none was asked.
         means_told: whether the pipe was told each step's mean force, not one that is linear over it.
         beats: a swing of the amplitude of a clamp whose law is tracked; None where there is none.
+        leaves_rest: whether clamps push the pipe out of its rest, to places of rest on either side of it if to any.
     """
 
     system: SystemDescription
@@ -69,6 +70,7 @@ class CosimResult:
     order: int | None = None
     means_told: bool = False
     beats: Beats | None = None
+    leaves_rest: bool = False
 
     @property
     def name(self) -> str:
@@ -181,6 +183,8 @@ class CosimResult:
         if self.beats is not None:
             settles = self.beats.settles_at is not None
             return "with solve = true in place of track = true" if settles else "with a larger stop_s"
+        if self.leaves_rest:
+            return "with clamps between which the pipe stays at rest"
         error = self.step_error or 0.0
         right = self._right_step(error) if error > self.trusted_share else None
         return "with a smaller step_s" if right is None else f"with step_s = {right:.2g} or less"
@@ -206,6 +210,11 @@ class CosimResult:
 
     def _shorter_step(self, error: float) -> str:
         """Say what would make the motion's error the expected one."""
+        if self.leaves_rest:
+            return (
+                "the pipe leaves its rest, see the warning: where it swings from side to side irregularly, runs in two "
+                "steps part, however short these are"
+            )
         better = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
         right = self._right_step(error)
         if right is None:

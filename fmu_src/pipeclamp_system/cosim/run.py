@@ -72,12 +72,12 @@ def run_described(
     Raises:
         UserError: as `run_system`.
     """
-    leaves_rest = about_rest(description, folder, where)
+    leaves_rest = about_rest(description, folder, where, ", at any step_s")
     try:
         result = _ran(description, folder, where, progress, checked=checked, build=build)
     except DivergedError as error:
         raise (UserError(f"{where}: {leaves_rest}") if leaves_rest else error) from error
-    return replace(result, warnings=(leaves_rest, *result.warnings)) if leaves_rest else result
+    return replace(result, warnings=(leaves_rest, *result.warnings), leaves_rest=True) if leaves_rest else result
 
 
 def _ran(

@@ -23,10 +23,11 @@ KILO = 1e3
 """N/m in N/mm."""
 
 
-def about_rest(description: SystemDescription, folder: Path, where: str) -> str:
+def about_rest(description: SystemDescription, folder: Path, where: str, although: str = "") -> str:
     """Say that a pipe leaves its rest by itself, by how much in N/mm, and what helps; "" where it doesn't.
 
-    Nothing is said of FMUs in the place of laws or of the pipe, whose equations aren't known.
+    Nothing is said of FMUs in the place of laws or of the pipe, whose equations aren't known. `although` ends the first
+    half of the sentence: whatever it leaves its rest in spite of.
 
     Raises:
         UserError: a law or the pipe can't be read.
@@ -45,8 +46,8 @@ def about_rest(description: SystemDescription, folder: Path, where: str) -> str:
     beside = "the pipe with its other clamps" if len(known) > 1 else "the pipe"
     return (
         f"clamp {name!r} has a negative stiffness at rest, {known[name]:.4g} N/mm, and {beside} holds it with "
-        f"{held[name]:.4g} N/mm: together {known[name] + held[name]:.4g} N/mm, so that the pipe leaves its rest, at "
-        f"any step_s; expected a law above {-held[name]:.4g} N/mm (at its A and T), or a support there"
+        f"{held[name]:.4g} N/mm: together {known[name] + held[name]:.4g} N/mm, so that the pipe leaves its rest"
+        f"{although}; expected a law above {-held[name]:.4g} N/mm (at its A and T), or a support there"
     )
 
 

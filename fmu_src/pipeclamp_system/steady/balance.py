@@ -13,6 +13,7 @@ from math import ceil, log
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_system.steady.clamp import harmonics_of
 from pipeclamp_system.steady.continuation import Solution, Steps, between, follow
 from pipeclamp_system.steady.driven import DrivenPipe
@@ -31,6 +32,12 @@ a longer step one that is small beside others could begin and end unseen."""
 APART_SHARE, CLOSEST_SHARE, MOST_IN_TIME = 0.04, 0.002, 120
 """Frequencies that are marched lie so far apart, as a share, and half of that again where the response bends, down to
 the second; but no more are marched than these."""
+
+MOST_WORK_OF_A_PATH = 8e6
+"""Work, as of `Work`, after which a path over frequency is given up with where it begins: some minutes."""
+
+TOLD_EVERY = 20
+"""Points of a path after which it is told how far it was followed."""
 
 STRAIGHT_SHARE, OTHER = 0.01, 0.05
 """Share by which an amplitude may be off the straight line through its neighbours', and from which on it is that of
@@ -51,34 +58,48 @@ class SteadySystem(DrivenPipe):
         marched = self.marched(frequency)
         return self.state_in_time(marched) if marched is not None and marched.round == 1 else None
 
-    def curve(self, first: float, last: float) -> list[SteadyState]:
+    def curve(self, first: float, last: float, tell: Progress = silent) -> list[SteadyState]:
         """Give the frequency response from one frequency to another (Hz), round its turning points.
 
         The curve begins at the first frequency; where it ends before the last one, the list does too.
         """
-        return [self.state(point.unknowns, point.parameter, point.side) for point in self.path(first, last)]
+        return [self.state(point.unknowns, point.parameter, point.side) for point in self.path(first, last, tell)]
 
-    def path(self, first: float, last: float) -> list[Solution]:
-        """Give the solutions that `curve` evaluates, which takes as long as to find them."""
-        start = begun(self, first)
-        if start is None:
-            return []
-        if not self._clamps:
-            return [Solution(frequency, start) for frequency in np.linspace(first, last, 200).tolist()]
-        size = float(self.sizes(start[None])[0])
-        return list(follow(self.over_frequency(), Solution(first, start), last, size, OVER_FREQUENCY))
+    def path(self, first: float, last: float, tell: Progress = silent) -> list[Solution]:
+        """Give the solutions that `curve` evaluates, which takes as long as to find them.
 
-    def followed(self, first: float, last: float) -> FollowedResponse:
+        It ends where no more work is to be spent on it.
+        """
+        with self.work.at_most(MOST_WORK_OF_A_PATH):
+            tell(f"begun at {first:.4g} Hz")
+            start = begun(self, first)
+            if start is None:
+                return []
+            if not self._clamps:
+                return [Solution(frequency, start) for frequency in np.linspace(first, last, 200).tolist()]
+            size = float(self.sizes(start[None])[0])
+            points = []
+            for point in follow(self.over_frequency(), Solution(first, start), last, size, OVER_FREQUENCY):
+                points.append(point)
+                if len(points) % TOLD_EVERY == 0:
+                    tell(f"followed to {point.parameter:.4g} Hz")
+        return points
+
+    def followed(self, first: float, last: float, tell: Progress = silent) -> FollowedResponse:
         """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached.
 
         What lies between what was followed is marched in time, frequency by frequency, unless nothing bounds it.
+
+        Args:
+            first, last: its ends, Hz.
+            tell: told how far it was followed.
         """
         if self.holds_places:
-            return self._in_time((), first, last)
-        lower = tuple(self.curve(first, last))
+            return self._in_time((), first, last, tell)
+        lower = tuple(self.curve(first, last, tell))
         if lower and lower[-1].frequency == last:
             return FollowedResponse((lower,), whole=True)
-        upper = tuple(reversed(self.curve(last, first)))
+        upper = tuple(reversed(self.curve(last, first, tell)))
         if upper and upper[0].frequency == first:
             return FollowedResponse((upper,), whole=True)
         followed = FollowedResponse(tuple(piece for piece in (lower, upper) if piece), whole=False)
@@ -87,17 +108,19 @@ class SteadySystem(DrivenPipe):
         lower, upper = self._sound(lower), self._sound(upper[::-1])[::-1]
         given_up = max((state.frequency for state in lower), default=first)
         from_above = min((state.frequency for state in upper), default=last)
-        return self._in_time(tuple(piece for piece in (lower, upper) if piece), given_up, from_above)
+        return self._in_time(tuple(piece for piece in (lower, upper) if piece), given_up, from_above, tell)
 
-    def _in_time(self, pieces: tuple[tuple[SteadyState, ...], ...], low: float, high: float) -> FollowedResponse:
+    def _in_time(
+        self, pieces: tuple[tuple[SteadyState, ...], ...], low: float, high: float, tell: Progress
+    ) -> FollowedResponse:
         """March between two frequencies (Hz), upwards and downwards: where there are two motions, each way has its own.
 
         Pieces are what is balanced beside them.
         """
         if low >= high or not self._clamps:
             return FollowedResponse(pieces, whole=False)
-        upwards = self._finer(self._in_turn(low, high))
-        downwards = self._others(upwards, self._in_turn(high, low, upwards[-1].end if upwards else None))
+        upwards = self._finer(self._in_turn(low, high, tell), tell)
+        downwards = self._others(upwards, self._in_turn(high, low, tell, upwards[-1].end if upwards else None), tell)
         ways = [[one for one in way if one.round == 1] for way in (upwards, *downwards)]
         return FollowedResponse(
             pieces,
@@ -116,7 +139,7 @@ class SteadySystem(DrivenPipe):
             states = states[:-1]
         return states
 
-    def _in_turn(self, first: float, last: float, begin: Standing | None = None) -> list[MarchedMotion]:
+    def _in_turn(self, first: float, last: float, tell: Progress, begin: Standing | None = None) -> list[MarchedMotion]:
         """March at frequencies (Hz) from one to another, each from the motion before; lowest first.
 
         Those whose motion has no numbers are left out.
@@ -124,18 +147,24 @@ class SteadySystem(DrivenPipe):
         count = min(MOST_IN_TIME // 2, 2 + ceil(abs(log(last / first)) / log(1 + APART_SHARE)))
         found: list[MarchedMotion] = []
         for frequency in np.geomspace(first, last, count).tolist():
+            tell(f"marched in time at {frequency:.4g} Hz")
             one = self.marched(frequency, found[-1].end if found else begin)
             found += [one] if one is not None else []
         return sorted(found, key=lambda one: one.frequency)
 
-    def _finer(self, found: list[MarchedMotion]) -> list[MarchedMotion]:
+    def _finer(self, found: list[MarchedMotion], tell: Progress) -> list[MarchedMotion]:
         """March between motions where the response bends, too."""
         while between := self._bent(found)[: max(0, MOST_IN_TIME - len(found))]:
-            marched = [self.marched(frequency, before.end) for before, frequency in between]
-            found = sorted([*found, *(one for one in marched if one is not None)], key=lambda one: one.frequency)
+            for before, frequency in between:
+                tell(f"marched in time at {frequency:.4g} Hz")
+                one = self.marched(frequency, before.end)
+                found = found if one is None else [*found, one]
+            found = sorted(found, key=lambda one: one.frequency)
         return found
 
-    def _others(self, known: Sequence[MarchedMotion], found: Sequence[MarchedMotion]) -> list[list[MarchedMotion]]:
+    def _others(
+        self, known: Sequence[MarchedMotion], found: Sequence[MarchedMotion], tell: Progress
+    ) -> list[list[MarchedMotion]]:
         """Give the steady motions that aren't those known at their frequency, neighbours together."""
         steady = [one for one in known if one.round == 1]
         if not steady:
@@ -149,7 +178,7 @@ class SteadySystem(DrivenPipe):
                 for own, amplitude in zip(amplitudes.T, one.high.tolist(), strict=True)
             ),
         ):
-            others += [self._finer(list(group))] if is_other else []
+            others += [self._finer(list(group), tell)] if is_other else []
         return others
 
     @staticmethod

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,33 @@ class HarmonicRefinement:
     resized: Callable[[Array, int], Array]
 
 
+@dataclass
+class Work:
+    """What solving takes, by evaluations and not by time, so that an answer that is cut short is the same everywhere.
+
+    Attributes:
+        done: work that is done.
+        most: of `done`, beyond which paths are given up and nothing more is sought.
+    """
+
+    done: float = 0.0
+    most: float = float("inf")
+
+    @property
+    def used_up(self) -> bool:
+        """Whether nothing more is to be sought."""
+        return self.done >= self.most
+
+    @contextmanager
+    def at_most(self, further: float) -> Iterator[None]:
+        """Allow so much further work inside a block, or what is allowed already."""
+        before, self.most = self.most, min(self.most, self.done + further)
+        try:
+            yield
+        finally:
+            self.most = before
+
+
 @dataclass(frozen=True)
 class Equation:
     """An equation in unknowns and a parameter.
@@ -40,11 +68,13 @@ class Equation:
         evaluate: what is to vanish, and its derivatives, at unknowns and a parameter.
         refinement: where the number of unknowns follows the solution; else it stays.
         unbounded: tells of a solution that what lies beyond it on a path is of no use: the path ends there.
+        work: what evaluating it takes is counted there; where that is used up a path is given up.
     """
 
     evaluate: Callable[[Array, float], Evaluated]
     refinement: HarmonicRefinement | None = None
     unbounded: Callable[[Array, float], bool] | None = None
+    work: Work = field(default_factory=Work)
 
     def __call__(self, unknowns: Array, parameter: float) -> Evaluated:
         """Evaluate it."""
@@ -69,6 +99,7 @@ class Steps:
         longest: no step is longer.
         widest: nor goes farther in the parameter, as a share of it.
         most: no path has more points.
+        work: nor takes more, as of `Work`: about a minute and a half.
         tolerance: of the unknowns, as a share of their size.
     """
 
@@ -77,6 +108,7 @@ class Steps:
     longest: float = 0.08
     widest: float = float("inf")
     most: int = 1500
+    work: float = 4e6
     tolerance: float = 1e-6
 
 
@@ -227,31 +259,40 @@ def follow(
     ahead = _direction(by_unknowns, by_parameter, largest, span)
     ahead = ahead if ahead[-1] > 0 else -ahead
     finer: tuple[Solution, Array] | None = None
+    towards, came = ahead, np.zeros(start.unknowns.size)
     point = replace(start, side=_side(by_unknowns, by_parameter, ahead, largest, span))
     yield point
+    enough = equation.work.done + steps.work
     for _ in range(steps.most):
+        if equation.work.used_up or equation.work.done > enough:
+            return
         scales = np.append(np.full(point.unknowns.size, largest), span)
         if steps.widest * abs(point.parameter) < step * abs(ahead[-1] * span):
             step = steps.widest * abs(point.parameter) / abs(ahead[-1] * span)
-        found = _corrected(equation, point, ahead, step, scales, steps.tolerance)
-        fitted = None if found is None else _refined(equation, point, ahead, step, scales, found, steps.tolerance)
+        found = _corrected(equation, point, towards, step, scales, steps.tolerance)
+        fitted = None if found is None else _refined(equation, point, towards, step, scales, found, steps.tolerance)
         if fitted is not None:
             there, by_unknowns, by_parameter, corrections = fitted
             largest = max(largest, float(np.abs(there.unknowns).max()))
-            before = equation.resized(ahead[:-1], there.unknowns.size)
+            before = equation.resized(towards[:-1], there.unknowns.size)
             onwards = _direction(by_unknowns, by_parameter, largest, span)
-            turn = float(onwards @ np.append(before, ahead[-1]))
+            turn = float(onwards @ np.append(before, towards[-1]))
             onwards = onwards if turn > 0 else -onwards
             side = _side(by_unknowns, by_parameter, onwards, largest, span)
         if fitted is None or ((abs(turn) < STRAIGHT_COSINE or side != point.side) and step > CAREFUL):
             if finer is not None:
                 (point, ahead), finer = finer, None
+                towards = ahead
                 continue
             step /= 2
             if step < steps.shortest:
-                return
+                came = equation.resized(came, point.unknowns.size)
+                if towards is not ahead or not came.any():
+                    return
+                towards, step = _held(came), CAREFUL
             continue
         last, point, ahead = point, replace(there, side=side), onwards
+        towards, came = ahead, point.unknowns - equation.resized(last.unknowns, point.unknowns.size)
         if corrections <= QUICK:
             step = min(1.5 * step, steps.longest)
         share = (point.parameter - start.parameter) / span
@@ -270,6 +311,15 @@ def follow(
             point = replace(point, unknowns=equation.resized(point.unknowns, asked))
             ahead = np.append(equation.resized(ahead[:-1], asked), ahead[-1])
             ahead = ahead / np.linalg.norm(ahead)
+            towards = ahead
+
+
+def _held(came: Array) -> Array:
+    """Give the direction in which the unknowns came, with the parameter held: it leads round a kink where a path turns.
+
+    No point of the path lies ahead there, but the unknowns go on.
+    """
+    return np.append(came / np.linalg.norm(came), 0.0)
 
 
 def _direction(by_unknowns: Array, by_parameter: Array, largest: float, span: float) -> Array:

@@ -16,6 +16,7 @@ from itertools import cycle, islice, pairwise
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
 from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow, solve
 from pipeclamp_system.steady.harmonics import TRUNCATED, packed
@@ -50,11 +51,15 @@ def leaving_branches(
         system: pipe and clamps under their sine.
         known: the pieces of the response that are known.
         first, last: ends of the range, Hz.
+
+    What is found before the system's work is used up is given.
     """
     found: list[tuple[SteadyState, ...]] = []
     waiting = list(known)
     while waiting:
         for before, after in pairwise(waiting.pop(0)):
+            if system.work.used_up:
+                return tuple(found)
             if before.side * after.side >= 0 or any(_ends_between(system, one, before, after) for one in found):
                 continue
             start = crossing(system.over_frequency(), *(_solution(state) for state in (before, after)))
@@ -117,6 +122,7 @@ def detached_branches(
     leaving: Sequence[Sequence[SteadyState]] = (),
     *,
     over_levels: bool = True,
+    tell: Progress = silent,
 ) -> tuple[tuple[SteadyState, ...], ...]:
     """Seek branches that a frequency response isn't joined to in its range.
 
@@ -126,17 +132,23 @@ def detached_branches(
         first, last: ends of the range, Hz.
         leaving: further ones that are known, from which none is sought: that would take as long again.
         over_levels: whether they are sought from those that are known; else only where none is, out of rest.
+        tell: told at which frequency they are sought.
+
+    What is found before the system's work is used up is given.
     """
     found: list[tuple[SteadyState, ...]] = []
     if not system.clamps:  # without laws all is linear
         return ()
     for frequency in np.linspace(first, last, FREQUENCIES_SOUGHT + 2)[1:-1].tolist():
+        if system.work.used_up:
+            break
+        tell(f"branches apart, at {frequency:.4g} Hz")
         waiting = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
         # Where a response that was given up has a gap, it begins at rest.
         unseen = [] if waiting else [start for start in [grown(system, frequency)] if start is not None]
         met = [*waiting, *(unknowns for piece in leaving for unknowns in system.solutions(piece, frequency))]
-        while waiting or unseen:
-            while unseen:
+        while (waiting or unseen) and not system.work.used_up:
+            while unseen and not system.work.used_up:
                 branch = _followed(system, Solution(frequency, unseen[0]), first, last)
                 crossed = [unseen[0], *system.solutions(branch, frequency)]
                 unseen = _others(system, unseen, crossed)
@@ -146,7 +158,8 @@ def detached_branches(
                     found.append(branch)
             if not over_levels:
                 break
-            unseen = _others(system, list(_joined(system, waiting.pop(), frequency)), met)
+            if waiting:
+                unseen = _others(system, list(_joined(system, waiting.pop(), frequency)), met)
     return tuple(found)
 
 
@@ -185,10 +198,14 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
     size, over_level = float(system.sizes(unknowns[None])[0]), system.over_level(frequency, system.coarsely)
     start = system.in_so_many(unknowns, min(unknowns.size, system.clamps * (2 * system.coarsely + 1)))
     for end in (HIGHEST_LEVEL, 0.0):
-        *_, there = follow(over_level, Solution(1.0, start), end, size, PATH_STEPS)
-        back = _solved_again(system, there.unknowns, frequency) if there.parameter == 1.0 else None
-        if back is not None and not _same(system, back, unknowns):
-            yield back
+        path = list(follow(over_level, Solution(1.0, start), end, size, PATH_STEPS))
+        if len(path) == 1:  # what isn't balanced in so few harmonics leads nowhere
+            begin = solve(over_level, start, 1.0, size)
+            path = [] if begin is None else list(follow(over_level, Solution(1.0, begin), end, size, PATH_STEPS))
+        if path and path[-1].parameter == 1.0:
+            back = _solved_again(system, path[-1].unknowns, frequency)
+            if back is not None and not _same(system, back, unknowns):
+                yield back
 
 
 def _solved_again(system: SteadySystem, unknowns: Array, frequency: float) -> Array | None:

@@ -21,7 +21,7 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.steady.continuation import Equation, Evaluated, HarmonicRefinement
+from pipeclamp_system.steady.continuation import Equation, Evaluated, HarmonicRefinement, Work
 from pipeclamp_system.steady.equivalent import LEAST_LOSS_FACTOR, loss_factor
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
@@ -42,6 +42,10 @@ STICKING = 3
 """Times the fewest harmonics, in which a path of clamps that rub is followed that only leads somewhere: with fewer,
 what is balanced moves as far as a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
 
+UNKNOWNS_OF_A_STEP, RUBBING_TIMES = 50, 10
+"""Work of linearising the balance: so many unknowns cost as much as what is done whatever their number, and where sides
+are sought so many times as much (2 ms by 20 unknowns, 5 by 130, 30 by 40 with sides)."""
+
 
 class DrivenPipe:
     """A reduced pipe with its clamps' laws under a sine.
@@ -51,6 +55,7 @@ class DrivenPipe:
         stated_harmonics: H; None: as many as each motion asks for.
         told_harmonics: harmonics that a cycle's samples can tell; beyond them forces are known roughly.
         most_harmonics: the largest H.
+        work: what was done to balance motions.
     """
 
     def __init__(
@@ -82,6 +87,7 @@ class DrivenPipe:
         self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
         self._near: Array | None = None
+        self.work = Work()
         self._refinement = HarmonicRefinement(self._asked, self.in_so_many) if harmonics is None and clamps else None
 
     @cached_property
@@ -206,6 +212,7 @@ class DrivenPipe:
         What the clamps make of a small change is taken from their laws' tangents: each law is solved once.
         """
         rubs = rubbing and self.rubs(unknowns, float(frequencies[0]))
+        self.work.done += (UNKNOWNS_OF_A_STEP + unknowns.size) * (RUBBING_TIMES if rubs else 1)
         forces = (self._rubbed_changes if rubs else self._changes)(unknowns, frequencies)
         size, others = unknowns.size, len(frequencies) - 1
         nudge = NUDGE * self.sizes(unknowns[None])[0]
@@ -276,7 +283,7 @@ class DrivenPipe:
             )
             return Evaluated(residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0]))
 
-        return Equation(equation, self._refinement, self.unbounded)
+        return Equation(equation, self._refinement, self.unbounded, self.work)
 
     def unbounded(self, unknowns: Array, frequency: float) -> bool:
         """Tell whether nothing bounds a motion: a clamp moves farther than the pipe is long, where no pipe is straight
@@ -310,7 +317,8 @@ class DrivenPipe:
         def asked(unknowns: Array, level: float) -> int:
             return min(largest, self._asked(unknowns, frequency, level))
 
-        return Equation(equation, self._refinement and HarmonicRefinement(asked, self.in_so_many))
+        refinement = self._refinement and HarmonicRefinement(asked, self.in_so_many)
+        return Equation(equation, refinement, work=self.work)
 
     def up_to(self, unknowns: Array) -> int:
         """Give H of unknowns (m,)."""

@@ -17,7 +17,8 @@ from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.law.file import Interval
 from pipeclamp_system.cosim.building import finished, law_in
-from pipeclamp_system.description.system import ResponseTable
+from pipeclamp_system.cosim.static_stability import about_rest
+from pipeclamp_system.description.system import ResponseTable, SystemDescription
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import ranges_of, read_responding, steady_system
@@ -25,7 +26,15 @@ from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.equivalent import LEAST_LOSS_FACTOR
 from pipeclamp_system.steady.harmonics import DOUBTFUL_SHARE
-from pipeclamp_system.steady.states import FollowedResponse, SteadyState, Unsteady, half_range, in_a_row
+from pipeclamp_system.steady.states import (
+    FollowedResponse,
+    SteadyState,
+    Unsteady,
+    about_missing,
+    half_range,
+    in_a_row,
+    span,
+)
 
 LACK_OF_DAMPING = (
     "where it isn't bounded, a curve ends as a clamp moves farther than the pipe is long, while pipe and clamps take "
@@ -34,11 +43,15 @@ LACK_OF_DAMPING = (
 )
 """Said of a response that nothing bounds."""
 
-CLOSE_ENDS_SHARE = 1e-3
-"""Share of the frequency by which two curves end apart that nothing bounds, and end at one resonance."""
+SEARCH_TIMES, LEAST_SEARCH, MOST_SEARCH = 4.0, 1.5e6, 8e6
+"""Times the work of the curve itself that may be done to seek further branches, the least that may be, and the most of
+all: some minutes."""
 
-RUN_IT = "; run sines there in time by `pipeclamp cosim`"
-"""Said where steady states are missing."""
+SEARCH_ENDED = (
+    "further branches were not sought to the end, which takes more work than is allowed: there may be more; a narrower "
+    "range of [response] is sought through"
+)
+"""Said of a curve whose search was cut short."""
 
 AT_AN_END = " (where the range ends)"
 """Said of what is highest there: a resonance may lie beyond."""
@@ -57,6 +70,7 @@ class Curve:
         followed: states along the curve, round its turning points.
         detached: branches that nothing joins to it in its range.
         leaving: branches that leave it, or one of those.
+        sought_whole: whether they were sought to the end; else there may be more.
     """
 
     temperature: float | None
@@ -64,6 +78,7 @@ class Curve:
     followed: FollowedResponse
     detached: tuple[tuple[SteadyState, ...], ...] = ()
     leaving: tuple[tuple[SteadyState, ...], ...] = ()
+    sought_whole: bool = True
 
     @property
     def pieces(self) -> tuple[tuple[SteadyState, ...], ...]:
@@ -95,6 +110,7 @@ class FrequencyResponse:
         curves, dots: what was found.
         ranges: what each clamp's law holds data for, by condition, in the order of clamp_names.
         stated_harmonics: whether their number was told; else each motion has as many as it asks for.
+        leaves_rest: that clamps push the pipe out of its rest, at each temperature at which they do, in words.
     """
 
     name: str
@@ -105,6 +121,7 @@ class FrequencyResponse:
     dots: tuple[Dot, ...]
     ranges: tuple[Mapping[str, Interval], ...]
     stated_harmonics: bool = False
+    leaves_rest: tuple[str, ...] = ()
 
     @property
     def points(self) -> tuple[str, ...]:
@@ -140,14 +157,18 @@ class FrequencyResponse:
             neutral = _spans(stretches(curve.pieces, lambda state: state.neutral))
             branch = f"; unstable {unstable}" if unstable else ""
             branch += f"; neither stable nor unstable, as nothing damps it, {neutral}" if neutral else ""
-            broken = _about_missing(curve.followed)
+            broken = about_missing(curve.followed)
             apart = "".join(
                 f"; {about(piece)}"
                 for about, of_kind in ((_about_leaving, curve.leaving), (_about_detached, curve.detached))
                 for piece in of_kind
             )
-            lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
+            lines.append(
+                f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}"
+                f"{_about_search(curve)}"
+            )
         lines += [LACK_OF_DAMPING] if any(curve.followed.unbounded for curve in self.curves) else []
+        lines += [f"warning: {words}" for words in self.leaves_rest]
         lines += self._about_harmonics()
         lines += self.about_ranges()
         lines += self._about_dots() if self.dots else []
@@ -255,47 +276,14 @@ def stretches(
     return apart
 
 
-def _span(low: float, high: float) -> str:
-    """Say a range of frequencies, Hz."""
-    return f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"
-
-
 def _spans(ranges: Iterable[tuple[float, float]]) -> str:
     """Say ranges of frequencies, Hz."""
-    return ", ".join(_span(low, high) for low, high in ranges)
+    return ", ".join(span(low, high) for low, high in ranges)
 
 
-def _about_missing(followed: FollowedResponse) -> str:
-    """Say what isn't balanced, and what was found there in time."""
-    if followed.whole:
-        return ""
-    if followed.unbounded:
-        return f"; {about_unbounded(followed)}"
-    found, unsteady = [state for way in followed.in_time for state in way], followed.unsteady
-    if not found and not unsteady:
-        return f"; {followed.reach()}{RUN_IT}"
-    frequencies = [state.frequency for state in found] + [one.frequency for one in unsteady]
-    words = f"; found in time {_span(min(frequencies), max(frequencies))}, where nothing is balanced: "
-    if found:
-        error = max(state.truncated for state in found)
-        words += f"{len(found)} motions that repeat, to {error:.2%}"
-    for way in followed.in_time[1:]:
-        words += f"; another one {_span(way[0].frequency, way[-1].frequency)}, downwards in frequency"
-    for again in dict.fromkeys(one.round for one in unsteady):
-        own = [one for one in unsteady if one.round == again]
-        how = f"comes round in {again} cycles only" if again else "doesn't come round"
-        at = _span(min(one.frequency for one in own), max(one.frequency for one in own))
-        high = max(max(one.high) for one in own)
-        words += f"; the motion {how} at {len(own)} frequencies {at}, and goes as far as {high:.3g} mm"
-    return words
-
-
-def about_unbounded(followed: FollowedResponse) -> str:
-    """Say where nothing bounds a response; curves that end there from both sides are no farther apart than rounding."""
-    apart: list[float] = []
-    for frequency in followed.unbounded:
-        apart += [] if apart and frequency <= (1 + CLOSE_ENDS_SHARE) * apart[-1] else [frequency]
-    return f"not bounded about {' and '.join(f'{frequency:.4g} Hz' for frequency in apart)}, for lack of damping"
+def _about_search(curve: Curve) -> str:
+    """Say that further branches were not sought to the end."""
+    return "" if curve.sought_whole else f"; {SEARCH_ENDED}"
 
 
 def _about_detached(branch: Sequence[SteadyState]) -> str:
@@ -313,7 +301,7 @@ def _where(branch: Sequence[SteadyState]) -> str:
     """Say which frequencies a branch spans, and whether none of it is stable."""
     frequencies = [state.frequency for state in branch]
     stable = "" if any(state.stable or state.neutral for state in branch) else " (all of it unstable)"
-    return f"{_span(min(frequencies), max(frequencies))}{stable}"
+    return f"{span(min(frequencies), max(frequencies))}{stable}"
 
 
 def label(temperature: float | None, level: float) -> str:
@@ -341,14 +329,20 @@ def run_response(path: Path, progress: Progress = silent, *, dots: bool = True) 
     description, table, pipe = asked.description, asked.table, asked.pipe
     curves: list[Curve] = []
     found: list[Dot] = []
+    leaves_rest: list[str] = []
     frequencies = _dot_frequencies(table) if dots else ()
     with finished(description, path.parent) if frequencies else nullcontext(description) as ready:
         for temperature in table.temperatures_C or (None,):
+            leaves_rest.append(about_rest(_at_temperature(description, temperature), path.parent, str(path)))
             for level in table.levels:
                 progress(label(temperature, level))
                 place = str(path)
                 system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
-                curve = curve_of(system, table, temperature, level, place)
+
+                def tell(what: str, where: str = label(temperature, level)) -> None:
+                    progress(f"{where}, {what}")
+
+                curve = curve_of(system, table, temperature, level, place, tell)
                 curves.append(curve)
                 for frequency in frequencies:
                     progress(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
@@ -369,7 +363,16 @@ def run_response(path: Path, progress: Progress = silent, *, dots: bool = True) 
         tuple(found),
         tuple(ranges_of(law_in(path.parent, str(clamp.law))) for clamp in description.clamps),
         table.harmonics is not None,
+        tuple(dict.fromkeys(words for words in leaves_rest if words)),
     )
+
+
+def _at_temperature(description: SystemDescription, temperature: float | None) -> SystemDescription:
+    """Give a system with all its clamps at a temperature, degC; None for their own."""
+    if temperature is None:
+        return description
+    clamps = tuple(clamp.model_copy(update={"temperature_C": temperature}) for clamp in description.clamps)
+    return description.model_copy(update={"clamps": clamps})
 
 
 def _marched_at(system: SteadySystem, followed: FollowedResponse, frequency: float) -> list[SteadyState]:
@@ -380,13 +383,16 @@ def _marched_at(system: SteadySystem, followed: FollowedResponse, frequency: flo
     return found + [min(way, key=lambda state: abs(state.frequency - frequency)) for way in passed[1:]]
 
 
-def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
+def curve_of(
+    system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str,
+    tell: Progress = silent,
+) -> Curve:  # fmt: skip
     """Follow one curve, and seek what is detached from it.
 
     Raises:
         UserError: no steady state is found.
     """
-    followed = system.followed(table.from_Hz, table.to_Hz)
+    followed = system.followed(table.from_Hz, table.to_Hz, tell)
     if not followed.states:
         raise UserError(
             f"{where}: {label(temperature, level)}: no steady state is found from {table.from_Hz:g} to "
@@ -394,13 +400,16 @@ def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | No
         )
     if followed.in_time:  # a branch apart begins in the balance, which gives none there
         return Curve(temperature, level, followed)
-    if followed.unbounded:  # without damping there is no end of branches: only what lies between resonances is sought
-        between = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, over_levels=False)
-        return Curve(temperature, level, followed, between)
-    leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
-    detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)
-    leaving += leaving_branches(system, detached, table.from_Hz, table.to_Hz)
-    return Curve(temperature, level, followed, detached, leaving)
+    first, last = table.from_Hz, table.to_Hz
+    with system.work.at_most(float(np.clip(SEARCH_TIMES * system.work.done, LEAST_SEARCH, MOST_SEARCH))):
+        if followed.unbounded:  # without damping there is no end of branches: only those between resonances are sought
+            detached = detached_branches(system, followed.pieces, first, last, over_levels=False, tell=tell)
+            return Curve(temperature, level, followed, detached, sought_whole=not system.work.used_up)
+        tell("branches that leave it")
+        leaving = leaving_branches(system, followed.pieces, first, last)
+        detached = detached_branches(system, followed.pieces, first, last, leaving, tell=tell)
+        leaving += leaving_branches(system, detached, first, last)
+        return Curve(temperature, level, followed, detached, leaving, sought_whole=not system.work.used_up)
 
 
 def _at_most(unsteady: Sequence[Unsteady]) -> str:

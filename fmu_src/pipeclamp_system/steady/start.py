@@ -90,7 +90,7 @@ def _turned_from_springs(pipe: DrivenPipe, frequency: float) -> Array | None:
         by_both = share * by_unknowns + (1 - share) * springs
         return Evaluated(share * whole + (1 - share) * linear, by_both, whole - linear)
 
-    turning = Equation(equation)
+    turning = Equation(equation, work=pipe.work)
     begin = solve(turning, packed(guess[None])[0], 0.0, size)
     if begin is None:
         return None

@@ -11,6 +11,12 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_system.steady.clamp import SAMPLES_PER_CYCLE, sampled
 
+CLOSE_ENDS_SHARE = 1e-3
+"""Share of the frequency by which two curves end apart that nothing bounds, and end at one resonance."""
+
+RUN_IT = "; run sines there in time by `pipeclamp cosim`"
+"""Said where steady states are missing."""
+
 NEUTRAL_GROWTH = 1e-6
 """Share by which a disturbance changes in a cycle and still is kept: steel by itself takes 6e-5 of it at least."""
 
@@ -133,3 +139,41 @@ class FollowedResponse:
 def half_range(harmonics: ComplexArray) -> Array:
     """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
     return np.asarray(np.ptp(sampled(harmonics, SAMPLES_PER_CYCLE), axis=1) / 2)
+
+
+def span(low: float, high: float) -> str:
+    """Say a range of frequencies, Hz."""
+    return f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"
+
+
+def about_missing(followed: FollowedResponse) -> str:
+    """Say what isn't balanced, and what was found there in time."""
+    if followed.whole:
+        return ""
+    if followed.unbounded:
+        return f"; {about_unbounded(followed)}"
+    found, unsteady = [state for way in followed.in_time for state in way], followed.unsteady
+    if not found and not unsteady:
+        return f"; {followed.reach()}{RUN_IT}"
+    frequencies = [state.frequency for state in found] + [one.frequency for one in unsteady]
+    words = f"; found in time {span(min(frequencies), max(frequencies))}, where nothing is balanced: "
+    if found:
+        error = max(state.truncated for state in found)
+        words += f"{len(found)} motions that repeat, to {error:.2%}"
+    for way in followed.in_time[1:]:
+        words += f"; another one {span(way[0].frequency, way[-1].frequency)}, downwards in frequency"
+    for again in dict.fromkeys(one.round for one in unsteady):
+        own = [one for one in unsteady if one.round == again]
+        how = f"comes round in {again} cycles only" if again else "doesn't come round"
+        at = span(min(one.frequency for one in own), max(one.frequency for one in own))
+        high = max(max(one.high) for one in own)
+        words += f"; the motion {how} at {len(own)} frequencies {at}, and goes as far as {high:.3g} mm"
+    return words
+
+
+def about_unbounded(followed: FollowedResponse) -> str:
+    """Say where nothing bounds a response; curves that end there from both sides are no farther apart than rounding."""
+    apart: list[float] = []
+    for frequency in followed.unbounded:
+        apart += [] if apart and frequency <= (1 + CLOSE_ENDS_SHARE) * apart[-1] else [frequency]
+    return f"not bounded about {' and '.join(f'{frequency:.4g} Hz' for frequency in apart)}, for lack of damping"

@@ -16,6 +16,7 @@ from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
 from pipeclamp_identification.workflow.next_step import NextStep
+from pipeclamp_models.base.said import counted
 
 CANDIDATES_PRINTED = 8
 
@@ -46,6 +47,11 @@ def attribution_words(found: Attribution | None, proposal: NextMeasurement | Non
     elif found.verdict == "unknown":
         best = found.candidates[0]
         words.append(f"The best refit is {best.value_words()}. {_left(best, found)}")
+    if found.unseen:
+        words.append(
+            f"Whether {counted(found.unseen, 'suspect')} of the worst would do better on another of the model's stable "
+            "motions wasn't asked: following their responses takes more work than is allowed."
+        )
     if found.noise_unknown:
         words.append(
             f"The error that is left is more than {PLAUSIBLE_NOISE_NRMSE:.0%}, by which tests on pipes scatter at "

@@ -35,6 +35,7 @@ class Refit:
         computed: what the refitted model says.
         residual: over the noise, (n,).
         jacobian: of the residual by the values, (n, parameters).
+        moved: what the model says with each value moved, which the derivatives were taken from.
     """
 
     suspects: tuple[Suspect, ...]
@@ -42,6 +43,7 @@ class Refit:
     computed: Computed
     residual: Array
     jacobian: Array
+    moved: tuple[Computed | None, ...] = ()
 
     @property
     def squared(self) -> float:
@@ -71,11 +73,23 @@ class Refit:
 
 @dataclass(frozen=True, eq=False)
 class RefitStart:
-    """Where a refit begins: suspects, their values, and what the model says there or nearby."""
+    """Where a refit begins: suspects, their values, and what the model says there or nearby.
+
+    Where it is known what it says there with each value moved, too, as of `Refit`, that isn't computed again.
+    """
 
     suspects: tuple[Suspect, ...]
     values: Values
     near: Computed
+    moved: tuple[Computed | None, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class _Said:
+    """What a model says, and with each value moved; none of these where it is but near."""
+
+    computed: Computed
+    moved: tuple[Computed | None, ...] = ()
 
 
 def as_stated(task: RefitTask) -> Refit:
@@ -104,7 +118,9 @@ def refit(task: RefitTask, starts: Sequence[RefitStart], most: Sequence[int] | i
     negligible = WORTH_GAINING * task.residual(task.stated).size
     found = _fitted(task, starts, task.residual, (WORTH_GAINING, negligible), most)
     return [
-        Refit(start.suspects, tuple(one.values.tolist()), one.state, one.residual, one.jacobian)
+        Refit(
+            start.suspects, tuple(one.values.tolist()), one.state.computed, one.residual, one.jacobian, one.state.moved
+        )
         for start, one in zip(starts, found, strict=True)
     ]
 
@@ -130,7 +146,7 @@ def searched(task: RefitTask, suspects: Sequence[Suspect]) -> list[RefitStart]:
         return [best.get(index, start) for index, start in enumerate(starts)]
     rough = _fitted(task, list(best.values()), task.coarse_residual, (ROUGH_GAIN, 0.0), MOST_ROUGH)
     for (index, start), found in zip(best.items(), rough, strict=True):
-        starts[index] = RefitStart(start.suspects, tuple(found.values.tolist()), found.state)
+        starts[index] = RefitStart(start.suspects, tuple(found.values.tolist()), found.state.computed)
     return starts
 
 
@@ -183,7 +199,7 @@ def _fitted(
     residual_of: Callable[[Computed], Array],
     tolerances: tuple[float, float],
     most: Sequence[int] | int,
-) -> list[Evaluated[Computed]]:
+) -> list[Evaluated[_Said]]:
     """Refit from each start; one without a motion there begins from the model as stated."""
     bounds = [bounds_of(start.suspects) for start in starts]
     scales = [
@@ -192,30 +208,36 @@ def _fitted(
     ]
     limits = [most] * len(starts) if isinstance(most, int) else most
 
-    def evaluate(asked: Sequence[tuple[int, Array, Computed]]) -> list[Evaluated[Computed] | None]:
-        families, moves = [], []
-        for index, values, near in asked:
+    def evaluate(asked: Sequence[tuple[int, Array, _Said]]) -> list[Evaluated[_Said] | None]:
+        families, moves, known = [], [], dict[int, list[Computed | None]]()
+        for place, (index, values, near) in enumerate(asked):
             steps = NUDGE * np.maximum(np.abs(values), scales[index])
             steps = np.where(values + steps <= bounds[index][1], steps, -steps)
             moves.append(steps)
+            if near.moved and near is begun[index] and np.array_equal(values, starts[index].values):
+                known[place] = [near.computed, *near.moved]
+                continue
             places = [values, *(values + np.diag(steps))]
             models = [changed(task.model, starts[index].suspects, tuple(place.tolist())) for place in places]
-            families.append(ModelFamily(models, near))
+            families.append(ModelFamily(models, near.computed))
+        fresh = iter(task.computed(families))
+        found = [known[place] if place in known else next(fresh) for place in range(len(asked))]
         return [
             _evaluated(values, computed, steps, residual_of)
-            for (_, values, _), steps, computed in zip(asked, moves, task.computed(families), strict=True)
+            for (_, values, _), steps, computed in zip(asked, moves, found, strict=True)
         ]
 
-    def problem(index: int, begin: Array, near: Computed) -> LeastSquares[Computed]:
+    def problem(index: int, begin: Array, near: _Said) -> LeastSquares[_Said]:
         lower, upper = bounds[index]
         return LeastSquares(np.clip(begin, lower, upper), lower, upper, scales[index], near, limits[index])
 
-    problems = [problem(index, np.array(start.values), start.near) for index, start in enumerate(starts)]
+    begun = [_Said(start.near, start.moved) for start in starts]
+    problems = [problem(index, np.array(start.values), begun[index]) for index, start in enumerate(starts)]
     found = fit_together(problems, evaluate, *tolerances)
     lost = [index for index, one in enumerate(found) if one is None]
-    again = [problem(index, _neutral(starts[index].suspects), task.stated) for index in lost]
+    again = [problem(index, _neutral(starts[index].suspects), _Said(task.stated)) for index in lost]
 
-    def evaluate_lost(asked: Sequence[tuple[int, Array, Computed]]) -> list[Evaluated[Computed] | None]:
+    def evaluate_lost(asked: Sequence[tuple[int, Array, _Said]]) -> list[Evaluated[_Said] | None]:
         return evaluate([(lost[index], values, near) for index, values, near in asked])
 
     for index, one in zip(lost, fit_together(again, evaluate_lost, *tolerances), strict=True):
@@ -225,7 +247,7 @@ def _fitted(
 
 def _evaluated(
     values: Array, computed: Sequence[Computed | None], steps: Array, residual_of: Callable[[Computed], Array]
-) -> Evaluated[Computed] | None:
+) -> Evaluated[_Said] | None:
     """Give residual and derivatives; None where there is no motion. A derivative that can't be taken is 0."""
     first, *moved = computed
     if first is None:
@@ -237,14 +259,14 @@ def _evaluated(
     for column, (one, step) in enumerate(zip(moved, steps, strict=True)):
         change = (residual_of(one) - here) / step if one is not None else np.zeros(here.size)
         columns[:, column] = np.where(np.isfinite(change), change, 0.0)
-    return Evaluated(values, first, here, columns)
+    return Evaluated(values, _Said(first, tuple(moved)), here, columns)
 
 
-def _still(start: RefitStart, task: RefitTask, residual_of: Callable[[Computed], Array]) -> Evaluated[Computed]:
+def _still(start: RefitStart, task: RefitTask, residual_of: Callable[[Computed], Array]) -> Evaluated[_Said]:
     """Give the model as stated, where nothing else has a motion."""
     values = _neutral(start.suspects)
     residual = residual_of(task.stated)
-    return Evaluated(values, task.stated, residual, np.zeros((residual.size, values.size)))
+    return Evaluated(values, _Said(task.stated), residual, np.zeros((residual.size, values.size)))
 
 
 def _neutral(suspects: Sequence[Suspect]) -> Array:

@@ -58,6 +58,8 @@ MUCH_LESS_RMS_SHARE = 0.8
 """More parameters must leave less than this share of the rms, too."""
 NEAR_ENOUGH = 2.0
 """Rms in units of the first guess of the noise up to which a refit is on the branches that were measured."""
+MOST_FOLLOWED = 8e6
+"""Work, as of `Work`, spent at most to follow responses of refitted models anew: some minutes."""
 NEXT_BEST = 3
 """Rivals of such a refit that may be on another branch."""
 NOISE_ONLY_RMS = 1.4
@@ -139,6 +141,7 @@ class Attribution:
         branch_unknown: whether it is "unknown" since what is named errs at sines alone of which it isn't known which of
             the model's stable motions was measured.
         noise_unknown: whether more is left than can be taken for noise, and no sine was repeated that would tell.
+        unseen: suspects of which no other stable motions were looked for, as that would take too much work.
     """
 
     verdict: PipeVerdict
@@ -151,6 +154,7 @@ class Attribution:
     kind: NamedKind | None = None
     branch_unknown: bool = False
     noise_unknown: bool = False
+    unseen: int = 0
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:
@@ -170,10 +174,10 @@ def attribute(compared: Compared, tell: Progress = silent) -> Attribution | None
         return None
     suspects = suspects_of(compared.model, compared.description)
     tell("refit each parameter alone")
+    unseen = 0
     refits = sorted(refit(task, searched(task, suspects)), key=lambda one: one.squared)
     if compared.sines:
-        tell("look for other branches")
-        refits = _on_the_nearest_branches(task, refits, compared.sines)
+        refits, unseen = _on_the_nearest_branches(task, refits, compared.sines, tell)
     tell("refit all together")
     best = min(refits, key=lambda one: one.squared)
     (together,) = refit(task, [_all_from(suspects, best)])
@@ -185,7 +189,7 @@ def attribute(compared: Compared, tell: Progress = silent) -> Attribution | None
         task = task.explained(alone.computed, len(alone.values))
         together, *refits = _again(task, (together, *refits))
     singles = [_candidate(compared, task, one) for one in refits]
-    return _judged(compared, task, singles, together, tell)
+    return replace(_judged(compared, task, singles, together, tell), unseen=unseen)
 
 
 def stated_task(compared: Compared) -> RefitTask:
@@ -198,29 +202,40 @@ def stated_task(compared: Compared) -> RefitTask:
     return task_of(model, sines, compared.records)
 
 
-def _on_the_nearest_branches(task: RefitTask, refits: Sequence[Refit], comparison: PipeComparison) -> list[Refit]:
+def _on_the_nearest_branches(
+    task: RefitTask, refits: Sequence[Refit], comparison: PipeComparison, tell: Progress
+) -> tuple[list[Refit], int]:
     """Refit once more where a refitted model has stable motions nearer to the measured ones than those it is on.
 
     It takes following the response: all refits (best first) are looked at where none comes near, else those that come
     next to it, and those only where the model as stated has several stable motions. Where it has one each, or sweeps
     tell which is met, a refit that moves as stated, and is but seen otherwise, has no other.
+
+    Returns:
+        the refits, and how many were left out of it, the worst ones, when no more work was to be spent.
     """
     near = refits[0].squared < NEAR_ENOUGH**2 * refits[0].residual.size
     several = bool(np.any(comparison.prediction.branches > 1))
     looked_at = (NEXT_BEST if several else 0) if near else len(refits)
     told = bool(np.all(comparison.measurement.steady.sweep != 0))
-    found = list(refits)
-    for index in range(1 if near else 0, min(looked_at + 1, len(refits))):
+    found, work = list(refits), 0.0
+    stated = replace(comparison.prediction, model=task.model)  # its mounts change nothing
+    looked_for = range(1 if near else 0, min(looked_at + 1, len(refits)))
+    for index in looked_for:
+        tell(f"look for other branches, {index - looked_for.start + 1} of {len(looked_for)}")
+        if work > MOST_FOLLOWED:
+            return found, looked_for.stop - index
         one = refits[index]
         model = changed(task.model, one.suspects, one.values)
         if (told or not several) and model.moves_as(task.model):
             continue
-        fresh = predict(model, comparison.measurement)
+        fresh = predict(model, comparison.measurement, followed=stated)
+        work += fresh.work
         computed = replace(one.computed, sines=fresh)
         residual = task.residual(computed)
         if float(residual @ residual) < MUCH_LESS_RMS_SHARE**2 * one.squared:
             (found[index],) = refit(task, [RefitStart(one.suspects, one.values, computed)])
-    return found
+    return found, 0
 
 
 def _again(task: RefitTask, refits: Sequence[Refit]) -> list[Refit]:
@@ -230,7 +245,7 @@ def _again(task: RefitTask, refits: Sequence[Refit]) -> list[Refit]:
 
 def _from(one: Refit) -> RefitStart:
     """Go on from a refit."""
-    return RefitStart(one.suspects, one.values, one.computed)
+    return RefitStart(one.suspects, one.values, one.computed, one.moved)
 
 
 def _all_from(suspects: Sequence[Suspect], best: Refit) -> RefitStart:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -49,6 +49,17 @@ class Group:
     solved: Balanced
 
 
+class Met(NamedTuple):
+    """The steady states where a response passes a sine.
+
+    Attributes:
+        passed: those of the response itself, in the order of the sweep; `beside` of branches that leave it.
+    """
+
+    passed: tuple[SteadyState, ...]
+    beside: tuple[SteadyState, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Prediction:
     """What a model's probes show.
@@ -59,6 +70,8 @@ class Prediction:
         groups: the steady states, sines that ask for about as many harmonics together.
         branches: how many stable states there are, (P,); 1 unless it was looked for.
         model: pipe and clamps that it is of.
+        met: where the response that was followed passes each sine; None where it wasn't followed.
+        work: that was done to follow it, as of `Work`.
     """
 
     response: ComplexArray
@@ -66,6 +79,8 @@ class Prediction:
     groups: tuple[Group, ...]
     branches: IntArray
     model: CoupledModel
+    met: Mapping[int, Met] | None = None
+    work: float = 0.0
 
 
 def temperatures(measured: SteadyMeasurement) -> Iterator[tuple[float | None, IntArray]]:
@@ -77,7 +92,12 @@ def temperatures(measured: SteadyMeasurement) -> Iterator[tuple[float | None, In
         yield temperature, np.flatnonzero(measured.temperature == temperature)
 
 
-def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction | None = None) -> Prediction:
+def predict(
+    model: CoupledModel,
+    measurement: PipeMeasurement,
+    near: Prediction | None = None,
+    followed: Prediction | None = None,
+) -> Prediction:
     """Give what a model's probes show at a measurement's sines.
 
     Where the response has several stable branches, a sweep up follows the one from low frequencies, a sweep down that
@@ -88,6 +108,7 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
         model: pipe and clamps.
         measurement: the sines.
         near: of a neighbouring model, whose branches are kept; else they are found by following the response.
+        followed: of a model whose response was followed: where this one moves likewise, it isn't followed again.
 
     Raises:
         UserError: the pipe can't be reduced.
@@ -95,7 +116,19 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     measured = measurement.steady
     shape = measured.response.shape
     response, clamps = np.full(shape, np.nan + 0j), np.full((shape[0], len(model.clamp_names)), np.nan + 0j)
-    begun, branches = _begun(model, measurement) if near is None else (map(_from_near, near.groups), near.branches)
+    met, work = dict[int, Met](), 0.0
+    if near is not None:
+        begun, branches = list(map(_from_near, near.groups)), near.branches
+    else:
+        if followed and followed.met and model.moves_as(followed.model):
+            met = (
+                dict(followed.met)
+                if model.pipe == followed.model.pipe
+                else _seen_elsewhere(followed, model, measurement)
+            )
+        else:
+            met, work = _followed(model, measurement)
+        begun, branches = _begun(model, measurement, met)
     groups = []
     # What is but seen otherwise is balanced already, unless something wasn't found.
     alike = near is not None and model.moves_as(near.model) and all(group.solved.found.all() for group in near.groups)
@@ -114,7 +147,7 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
         clamps[rows] = 1e3 * operation.drive[:, None] * moved[:, :count]
         response[rows] = as_recorded(moved[:, count:], operation.frequency, measurement, model)
         groups.append(Group(begin.temperature, rows, begin.harmonics, solved))
-    return Prediction(response, clamps, tuple(groups), branches, model)
+    return Prediction(response, clamps, tuple(groups), branches, model, None if near is not None else met, work)
 
 
 def true_operation(
@@ -174,11 +207,11 @@ def _from_near(group: Group) -> _Begin:
     return _Begin(group.temperature, group.rows, group.harmonics, solved.unknowns, solved.slopes, solved)
 
 
-def _begun(model: CoupledModel, measurement: PipeMeasurement) -> tuple[list[_Begin], IntArray]:
+def _begun(model: CoupledModel, measurement: PipeMeasurement, met: Mapping[int, Met]) -> tuple[list[_Begin], IntArray]:
     """Give from where groups of sines begin, and how many stable states each sine has."""
     groups, branches = list[_Begin](), np.ones(measurement.steady.response.shape[0], dtype=np.intp)
     for temperature, rows in temperatures(measurement.steady):
-        states, branches[rows] = _first_states(model, temperature, measurement, rows)
+        states, branches[rows] = _first_states(model, measurement, rows, met)
         asked = np.array([_harmonics(model, state) for state in states])
         # Nothing settles on an unstable motion: there is none to compare.
         unstable = np.array([state is not None and not state.stable for state in states])
@@ -206,46 +239,73 @@ def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
     )
 
 
-def _first_states(
-    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: IntArray
-) -> tuple[list[SteadyState | None], IntArray]:
-    """Give the steady states at some sines, stable ones where there are any, and how many of those each has.
+def _followed(model: CoupledModel, measurement: PipeMeasurement) -> tuple[dict[int, Met], float]:
+    """Give where the response passes each sine, by row, and the work that it took.
 
     The response is followed from both ends: where it bends, each meets branches that the other doesn't. So are the
     less symmetric branches that leave it: where these are, it is unstable itself.
     """
     measured = measurement.steady
     true = true_operation(model, measurement)
+    met, work = dict[int, Met](), 0.0
+    for temperature, rows in temperatures(measured):
+        for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
+            own = rows[level.rows]
+            frequency, inverse = np.unique(true.frequency[own], return_inverse=True)
+            drive = np.bincount(inverse, true.drive[own]) / np.bincount(inverse)
+            system = model.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
+            first, last = float(frequency[0]), float(frequency[-1])
+            upwards, downwards = _paths(system, first, last)
+            leaving = _leaving(system, [upwards, *([] if downwards is None else [downwards])], first, last)
+            for row in own.tolist():
+                f, sweep = float(true.frequency[row]), measured.sweep[row]
+                if downwards is None:
+                    paths = [upwards if sweep >= 0 else upwards[::-1]]
+                else:
+                    paths = [upwards, downwards] if sweep >= 0 else [downwards, upwards]
+                passed, beside = (
+                    tuple(system.state(unknowns, f) for path in some for unknowns in system.passing(path, f))
+                    for some in (paths, leaving)
+                )
+                met[row] = Met(passed, beside)
+            work += system.work.done
+    return met, work
+
+
+def _seen_elsewhere(followed: Prediction, model: CoupledModel, measurement: PipeMeasurement) -> dict[int, Met]:
+    """Give where a response passes each sine, as other probes see it: those of a model that moves alike."""
+    met = dict[int, Met]()
+    drive = true_operation(model, measurement).drive
+    for temperature, rows in temperatures(measurement.steady):
+        for row in rows.tolist():
+            system = model.system(temperature, lambda _, of=float(drive[row]): of)  # type: ignore[misc]
+            passed, beside = (
+                tuple(system.state(packed(one.balanced[None])[0], one.frequency, one.side) for one in some)
+                for some in (followed.met or {})[row]
+            )
+            met[row] = Met(passed, beside)
+    return met
+
+
+def _first_states(
+    model: CoupledModel, measurement: PipeMeasurement, rows: IntArray, met: Mapping[int, Met]
+) -> tuple[list[SteadyState | None], IntArray]:
+    """Give the steady states at some sines, stable ones where there are any, and how many of those each has."""
+    measured = measurement.steady
     chosen: list[SteadyState | None] = [None] * rows.size
     branches = np.ones(rows.size, dtype=np.intp)
-    for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
-        own = rows[level.rows]
-        frequency, inverse = np.unique(true.frequency[own], return_inverse=True)
-        drive = np.bincount(inverse, true.drive[own]) / np.bincount(inverse)
-        system = model.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
-        first, last = float(frequency[0]), float(frequency[-1])
-        upwards, downwards = _paths(system, first, last)
-        leaving = _leaving(system, [upwards, *([] if downwards is None else [downwards])], first, last)
-        for place, row in zip(level.rows, own, strict=True):
-            f, sweep = float(true.frequency[row]), measured.sweep[row]
-            if downwards is None:
-                paths = [upwards if sweep >= 0 else upwards[::-1]]
-            else:
-                paths = [upwards, downwards] if sweep >= 0 else [downwards, upwards]
-            passed, beside = (
-                [system.state(unknowns, f) for path in some for unknowns in system.passing(path, f)]
-                for some in (paths, leaving)
-            )
-            everywhere = _apart([*passed, *beside])
-            found = [state for state in everywhere if state.stable]
-            branches[place] = max(1, len(found))
-            if not everywhere:
-                continue
-            chosen[place] = met_in_sweep(passed, beside) if sweep else (found or everywhere)[0]
-            if len(found) > 1 and sweep == 0:
-                seen = [_seen(state.probes[:, 1], int(row), measurement, model) for state in found]
-                off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
-                chosen[place] = found[int(np.argmin(off))]
+    for place, row in enumerate(rows.tolist()):
+        sweep, (passed, beside) = measured.sweep[row], met[row]
+        everywhere = _apart([*passed, *beside])
+        found = [state for state in everywhere if state.stable]
+        branches[place] = max(1, len(found))
+        if not everywhere:
+            continue
+        chosen[place] = met_in_sweep(passed, beside) if sweep else (found or everywhere)[0]
+        if len(found) > 1 and sweep == 0:
+            seen = [_seen(state.probes[:, 1], row, measurement, model) for state in found]
+            off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
+            chosen[place] = found[int(np.argmin(off))]
     return chosen, branches
 
 

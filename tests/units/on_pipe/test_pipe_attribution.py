@@ -14,6 +14,7 @@ from cantilever import shaken
 from pipeclamp.pages.page import render
 from pipeclamp.pages.system.on_pipe import attributed_sections
 from pipeclamp.show.on_pipe import attribution_words
+from pipeclamp_identification.attribution import verdict
 from pipeclamp_identification.attribution.answer import attribution_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.compared import Compared
@@ -28,6 +29,7 @@ from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
 from pipeclamp_models.pipe.description import Excitation
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 
 PIPE = """
@@ -194,6 +196,31 @@ def test_what_is_but_seen_otherwise_moves_as_stated(comparison):
         *(f"sensor:middle.{what}" for what in ("gain", "phase", "delay", "position")), "excitation.phase",
         "excitation.delay",
     }  # fmt: skip
+
+
+def test_a_response_is_followed_once_for_all_that_is_but_seen_otherwise(comparison, monkeypatch):
+    """Each of three sensors' suspects had been followed anew, 12 s each where two clamps slip."""
+    stated = replace(comparison.prediction, model=with_mounts(comparison.model))
+    suspects = {one.id: one for one in suspects_of(comparison.model, comparison.measurement.description)}
+    apart = (suspects["sensor:middle.position"], suspects["sensor:middle.gain"], suspects["excitation.delay"])
+    models = [changed(stated.model, (one,), one.starts[-1]) for one in apart]
+    expected = [predict(model, comparison.measurement).response for model in models]
+    followed, follow = [], SteadySystem.path
+    monkeypatch.setattr(SteadySystem, "path", lambda *given: followed.append(1) or follow(*given))
+    for model, response in zip(models, expected, strict=True):
+        assert predict(model, comparison.measurement, followed=stated).response == pytest.approx(response, rel=1e-6)
+    assert not followed
+
+
+def test_looking_for_other_branches_ends_and_says_what_was_left_out(comparison, found, monkeypatch):
+    monkeypatch.setattr(verdict, "NEAR_ENOUGH", 0.0)  # as where no refit comes near
+    monkeypatch.setattr(verdict, "MOST_FOLLOWED", 1.0)
+    refits, told = [one.refit for one in found.candidates if len(one.suspects) == 1], []
+    _, unseen = verdict._on_the_nearest_branches(found.task, refits, comparison, told.append)
+    assert 5 < unseen < len(refits)
+    assert told[-1].startswith(f"look for other branches, {len(refits) - unseen + 1} of {len(refits)}")
+    words = " ".join(attribution_words(replace(found, unseen=unseen), None))
+    assert f"Whether {unseen} suspects of the worst would do better on another" in words
 
 
 def test_where_a_force_acts_is_a_suspect_and_moves_the_force_alone(comparison):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution
+from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution, Work
 from pipeclamp_system.steady.detached import leaving_branches, meeting
 
 FIRST, LAST = 5.0, 5.6
@@ -23,6 +23,7 @@ class Pitchforks(SteadySystem):
 
     def __init__(self) -> None:
         self._clamps = [None]
+        self.work = Work()
 
     def over_frequency(self) -> Equation:
         def equation(unknowns, frequency):
