@@ -143,6 +143,14 @@ class Fork:
 
 
 @dataclass(frozen=True)
+class _Onward:
+    """Where a diagnosis leads: the next place, and where the way could have gone another way."""
+
+    place: Place
+    forks: tuple[Fork, ...] = ()
+
+
+@dataclass(frozen=True)
 class WayUp:
     """A way up.
 
@@ -173,53 +181,19 @@ class Climber:
     def climb(self, place: Place, before: frozenset[MadeOf] = frozenset()) -> WayUp:
         """Diagnose and add until nothing helps.
 
-        Where what is named takes less than half of what is missing, a part may stand where its like belongs: what does
-        better in a part's place is asked, and goes first if it leaves less.
-
         Args:
             place: where to begin.
             before: laws that other ways came by.
         """
         forks: tuple[Fork, ...] = ()
         met: frozenset[MadeOf] = frozenset()
-        while True:
-            if place.made_of in before:
-                return WayUp(None, forks, met)
+        while place.made_of not in before:
             met |= {place.made_of}
-            if place.ladder:
-                self.climbed(place.file, place.ladder)
-            found = self.tests.diagnose(place.file, declared=self.declared, limits=self.limits, workers=self.workers)
-            went = tuple(place.gone[name] for name in found.effects if name in place.gone)
-            if went and found.effects[0] in place.gone:
-                found = found.naming_nothing(in_vain_words(went))
-            if len(place.ladder) >= self.most or not _goes_on(found, place.file):
-                self.seen(found, place.file)
-                whole = found.verdict == "complete" and len(place.ladder) < self.most
-                simpler = self._with_something_simpler(place.file) if whole else None
-                if simpler is None:
-                    return WayUp(Settled(place.file, found, place.ladder, went), forks, met)
-                place = place.after(simpler)
-                continue
-            tried = self._until_one_helps(place, found)
-            helped = bool(tried) and helps(tried[-1])
-            parts = parts_of(place.file)
-            goes_well = helped and (takes_half(tried[-1]) or not parts)
-            rung = None if goes_well else self._with_something_exchanged(place.file, parts if helped else None)
-            if helped and (rung is None or tried[-1][-1].heldout.after <= rung.change.heldout.after):
-                self.seen(found, place.file)
-                forks = (*forks, *_forks(place, found, tried[-1][0].step.effect))
-                place = place.after(*_rungs(found, tried))
-                name = having = tried[-1][-1].step.effect
-            else:
-                failed = () if helped else tuple(map(_in_vain, tried))
-                in_vain = (*went, *failed)
-                found = found.naming_nothing(in_vain_words(in_vain)) if failed else found
-                self.seen(found, place.file)
-                if rung is None:
-                    return WayUp(Settled(place.file, found, place.ladder, in_vain), forks, met)
-                place = place.after(rung)
-                name, having = rung.change.step.effect, str(rung.change.step)
-            place = self._without_spares(place, name, having)
+            led = self._led_from(place)
+            if isinstance(led, Settled):
+                return WayUp(led, forks, met)
+            place, forks = led.place, (*forks, *led.forks)
+        return WayUp(None, forks, met)
 
     def climb_from(self, fork: Fork, ended: float, before: frozenset[MadeOf]) -> WayUp:
         """Add the other effect at a fork, and go on from there.
@@ -236,6 +210,46 @@ class Climber:
         )
         place = fork.place.after(Rung(change, "part", (words, NO_PROOF)))
         return self.climb(self._without_spares(place, fork.effect, fork.effect), before)
+
+    def _led_from(self, place: Place) -> Settled | _Onward:
+        """Diagnose the law at a place, and add to it, exchange something in it, or end there.
+
+        Where what is named takes less than half of what is missing, a part may stand where its like belongs: what does
+        better in a part's place is asked, and goes first if it leaves less.
+        """
+        if place.ladder:
+            self.climbed(place.file, place.ladder)
+        found = self.tests.diagnose(place.file, declared=self.declared, limits=self.limits, workers=self.workers)
+        went = tuple(place.gone[name] for name in found.effects if name in place.gone)
+        if went and found.effects[0] in place.gone:
+            found = found.naming_nothing(in_vain_words(went))
+        if len(place.ladder) >= self.most or not _goes_on(found, place.file):
+            return self._simpler_or_settled(place, found, went)
+        tried = self._until_one_helps(place, found)
+        helped = bool(tried) and helps(tried[-1])
+        parts = parts_of(place.file)
+        goes_well = helped and (takes_half(tried[-1]) or not parts)
+        rung = None if goes_well else self._with_something_exchanged(place.file, parts if helped else None)
+        if helped and (rung is None or tried[-1][-1].heldout.after <= rung.change.heldout.after):
+            self.seen(found, place.file)
+            added = tried[-1][-1].step.effect
+            forks = _forks(place, found, tried[-1][0].step.effect)
+            return _Onward(self._without_spares(place.after(*_rungs(found, tried)), added, added), tuple(forks))
+        failed = () if helped else tuple(map(_in_vain, tried))
+        in_vain = (*went, *failed)
+        found = found.naming_nothing(in_vain_words(in_vain)) if failed else found
+        self.seen(found, place.file)
+        if rung is None:
+            return Settled(place.file, found, place.ladder, in_vain)
+        step = rung.change.step
+        return _Onward(self._without_spares(place.after(rung), step.effect, str(step)))
+
+    def _simpler_or_settled(self, place: Place, found: Diagnosed, went: tuple[InVain, ...]) -> Settled | _Onward:
+        """Put something simpler into a law to which nothing is to be added, where that does as well, or end there."""
+        self.seen(found, place.file)
+        whole = found.verdict == "complete" and len(place.ladder) < self.most
+        simpler = self._with_something_simpler(place.file) if whole else None
+        return Settled(place.file, found, place.ladder, went) if simpler is None else _Onward(place.after(simpler))
 
     def _until_one_helps(self, place: Place, found: Diagnosed) -> list[list[LawChange]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
