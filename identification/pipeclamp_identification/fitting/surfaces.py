@@ -116,9 +116,12 @@ def _surface(
     positive: BoolArray = coefficient > 0
     if np.count_nonzero(positive) <= max(len(varied), len(coefficient) // 2):
         return {reference.name: float(np.median(coefficient)), **values}
-    plane = np.column_stack([np.ones(len(coefficient)), *(ratios[parameter.name] for parameter in varied)])
-    solution = np.linalg.lstsq(plane[positive], np.log(coefficient[positive]), rcond=1e-6)[0]
-    values[reference.name] = float(np.exp(solution[0]))
+    plane = np.column_stack([np.ones(len(coefficient)), *(ratios[parameter.name] for parameter in varied)])[positive]
+    logarithm = np.log(coefficient[positive])
+    solution = np.linalg.lstsq(plane, logarithm, rcond=1e-6)[0]
     for parameter, value in zip(varied, solution[1:], strict=True):
         values[parameter.name] = float(np.clip(value, float(parameter.lower), float(parameter.upper)))
+    # Through the tests with these exponents: of conditions that lie close together they may be far beyond their bounds.
+    within = [values[parameter.name] for parameter in varied]
+    values[reference.name] = float(np.exp(np.mean(logarithm - plane[:, 1:] @ np.array(within))))
     return values
