@@ -36,6 +36,9 @@ MOST_DRAWS = 400
 TELLING_SHARE = 0.5
 """Of its own band, that a point must move at the ends of the first one's, for these to tell how its band bends."""
 
+DAMP_IT = "expected [damping] of the pipe, or a law with damping"
+"""What a band needs."""
+
 
 def response_bands(
     path: Path,
@@ -107,8 +110,13 @@ def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = F
         )
     if any(curve.followed.unbounded for curve in response.curves):
         raise UserError(
-            f"{path}: its response isn't bounded, for lack of damping, so that no band of it is known; expected "
-            "[damping] of the pipe, or a law with damping"
+            f"{path}: its response isn't bounded, for lack of damping, so that no band of it is known; {DAMP_IT}"
+        )
+    undamped = [state.frequency for curve in response.curves for state in curve.states if state.neutral]
+    if undamped:
+        raise UserError(
+            f"{path}: nothing damps its motion from {min(undamped):.4g} to {max(undamped):.4g} Hz, so that no band of "
+            f"it is known; {DAMP_IT}"
         )
     description = read_system(path)
     what = unknown_of(description, path.parent)

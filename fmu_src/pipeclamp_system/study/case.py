@@ -18,7 +18,7 @@ from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.described import unknown_of
-from pipeclamp_system.bands.response import moving_of
+from pipeclamp_system.bands.response import DAMP_IT, moving_of
 from pipeclamp_system.bands.sensitivity import moves_at, of_half_range, with_laws
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.excitation import require_kind
@@ -96,11 +96,13 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
         raise UserError(f"{where}: no steady state was found")
     if study.per_cent is not None and any(state.cycles is not None for state in states):
         raise UserError(f"{where}: the motion was found in time, and a band follows from one that is balanced")
+    if study.per_cent is not None and any(state.neutral for state in states):
+        raise UserError(f"{where}: nothing damps the motion, so that no band of it is known; {DAMP_IT}")
     amplitudes = np.array([amplitudes_of(state) for state in states])
     points = (*(clamp.at for clamp in system.clamps), *pipe.probe_names)
     bands = None if study.per_cent is None else _bands(study, system, pipe, steady, states[0], pieces)
     row: Row = {
-        "stable": float(all(state.stable for state in states)),
+        "stable": _stable(states),
         "pipe_stable": float(pipe.stability.kind == "stable"),
     }
     for index, name in enumerate(points):
@@ -113,6 +115,13 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
         if index < len(system.clamps):
             row[f"{name}{IN_RANGE}"] = not states[highest].beyond[index]
     return row
+
+
+def _stable(states: Sequence[SteadyState]) -> float | None:
+    """Give 1 where all motions are stable, 0 where one isn't; None where nothing damps what isn't."""
+    if any(not (state.stable or state.neutral) for state in states):
+        return 0.0
+    return None if any(state.neutral for state in states) else 1.0
 
 
 def _bands(

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import polars as pl
+import pytest
 
+from pipeclamp.pages.system.study import _unstable_words
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.bands.response import banded_system
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, stretches
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState
 
@@ -48,3 +54,18 @@ def test_where_harmonics_are_left_out_is_told_stretch_by_stretch():
     curve = Curve(None, 1.0, FollowedResponse((tuple(left_out),), whole=True))
     said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
     assert "more than 1% at 5 Hz, at 12 Hz: " in said
+
+
+def test_no_band_is_given_of_a_motion_that_nothing_damps():
+    """A clamp without damping on a pipe without had a band up to 7e28 mm."""
+    curve = Curve(None, 1.0, FollowedResponse((states((5.0, -1), (6.0, 1e-9), (7.0, -1e-9)),), whole=True))
+    with pytest.raises(UserError, match=r"nothing damps its motion from 6 to 7 Hz.*\[damping\]"):
+        banded_system(Path("system.toml"), FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)))
+
+
+def test_cases_that_nothing_damps_are_not_called_unstable():
+    assert _unstable_words(pl.DataFrame({"stable": [None, 0.0, None, 1.0]})) == [
+        "not stable: 1 case",
+        "neither stable nor unstable, as nothing damps it: 2 cases",
+    ]
+    assert _unstable_words(pl.DataFrame({"stable": [1.0]})) == []

@@ -11,6 +11,7 @@ from pipeclamp.pages.system.bands import FAINT, add_area
 from pipeclamp.show.table import Table
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.workflow.next_step import NextStep
+from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.study.case import HIGH, IN_RANGE, LOW, TRUSTED
@@ -72,9 +73,13 @@ def _extremes_words(fine: pl.DataFrame, points: list[str], axes: list[str]) -> l
 
 
 def _unstable_words(fine: pl.DataFrame) -> list[str]:
-    """Say how many cases aren't stable; nothing where that wasn't asked."""
-    unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
-    return [f"{unstable} cases are not stable"] if unstable else []
+    """Say how many cases aren't stable, and how many nothing damps; nothing where that wasn't asked."""
+    if "stable" not in fine.columns:
+        return []
+    unstable, undamped = fine.filter(pl.col("stable") == 0.0).height, fine["stable"].null_count()
+    words = [f"not stable: {counted(unstable, 'case')}"] if unstable else []
+    neither = f"neither stable nor unstable, as nothing damps it: {counted(undamped, 'case')}"
+    return [*words, neither] if undamped else words
 
 
 def _range_words(fine: pl.DataFrame) -> list[str]:
