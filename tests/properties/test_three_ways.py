@@ -164,7 +164,7 @@ def test_a_response_that_is_given_up_keeps_its_pieces_apart(
     whole = system.followed(6.0, 11.0)
     assert whole.whole
     follow = SteadySystem.curve
-    monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[:9])
+    monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last, _: follow(self, first, last)[:9])
     # What is missing is marched, up and down: in the fold each way has a motion of its own, stable both.
     up, down = system.followed(6.0, 11.0).in_time
     upper, _, lower = system.crossings(whole.pieces[0], 8.0)
@@ -184,7 +184,7 @@ def test_a_response_that_is_given_up_keeps_its_pieces_apart(
     assert not any(min(x) < (low + high) / 2 < max(x) for x in drawn)
     # Given up from below alone: what comes from above is whole.
     monkeypatch.setattr(
-        SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[: 9 if first < last else None]
+        SteadySystem, "curve", lambda self, first, last, _: follow(self, first, last)[: 9 if first < last else None]
     )
     assert system.followed(6.0, 11.0).whole
 

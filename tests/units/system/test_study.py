@@ -125,7 +125,7 @@ def test_other_measures(write, measure: str) -> None:
 def test_a_peak_that_was_not_reached_is_no_result(write, monkeypatch: pytest.MonkeyPatch) -> None:
     study = read_study(write('"system.excitation.acceleration_m_s2" = [0.2]', 'measure = "peak"'))
     follow = SteadySystem.curve
-    monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[:5])
+    monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last, _: follow(self, first, last)[:5])
     ((number, values),) = study.cases()
     marched = evaluate(study, number, values)
     assert marched["error"] == ""
@@ -135,7 +135,7 @@ def test_a_peak_that_was_not_reached_is_no_result(write, monkeypatch: pytest.Mon
     assert "middle.s [mm]" not in row
     # What is given up from below may be whole from above.
     monkeypatch.setattr(
-        SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[: 5 if first < last else None]
+        SteadySystem, "curve", lambda self, first, last, _: follow(self, first, last)[: 5 if first < last else None]
     )
     balanced = evaluate(study, number, values)
     assert balanced["error"] == ""
