@@ -14,6 +14,7 @@ import numpy as np
 import polars as pl
 import pytest
 
+from pipeclamp_fmu.native import compiler
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_models.law.catalogue import entries
 
@@ -307,6 +308,16 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
         r'<a href="#section-[0-9]+">([^<]*)</a>', (tmp_path / "story" / "3_clamp_a.html").read_text("utf-8")
     )
     assert len(links) > 10 and len(set(links)) == len(links)
+
+
+def test_an_fmu_is_native_where_a_compiler_is_found_and_of_python_where_none_is(pipeclamp, law, tmp_path, monkeypatch):
+    done = pipeclamp("build-fmu", law, "-o", "c.fmu", cwd=tmp_path)
+    assert "native (" in " ".join(done.stdout.split())
+    assert any(name.endswith((".so", ".dll", ".dylib")) for name in zipfile.ZipFile(tmp_path / "c.fmu").namelist())
+    monkeypatch.setattr(compiler, "default_platforms", lambda fmi: ())
+    done = pipeclamp("build-fmu", law, "-o", "c.fmu", cwd=tmp_path)
+    assert "no C compiler was found: FMI 2.0 co-simulation, run by Python" in " ".join(done.stdout.split())
+    assert any(name.endswith(".py") for name in zipfile.ZipFile(tmp_path / "c.fmu").namelist())
 
 
 def test_a_native_clamp_is_built(pipeclamp, law, tmp_path):

@@ -271,7 +271,7 @@ def test_a_value_that_no_input_could_make_sense_of_is_usage(refused, law, small,
         (("rig", law, "-o", tmp_path / "x", "--repeats", "0"), "0 repeats"),
         (("rig", law, "-o", tmp_path / "x", "--amplitudes", "0,3;1"), "--amplitudes"),
         (("rig", law, "-o", tmp_path / "x", "--set", "c1"), "name=value"),
-        (("build-fmu", law, "-o", tmp_path / "x.fmu", "--fmi", "3"), "--kind native"),
+        (("build-fmu", law, "-o", tmp_path / "x.fmu", "--kind", "python", "--fmi", "3"), "--kind native"),
         (("build-fmu", law, "-o", tmp_path / "x.fmu", "--kind", "native", "--platforms", "amiga"), "'amiga'"),
     ):
         assert expected in refused(*words, status=2)

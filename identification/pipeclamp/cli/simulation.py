@@ -59,7 +59,11 @@ class FmiVersion(StrEnum):
 
 
 KindOption = Annotated[
-    FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
+    FmuKind | None,
+    typer.Option(
+        help="native: C, needs nothing; python: needs a Python in the importing tool. Native by default, python where "
+        "no C compiler is found."
+    ),
 ]
 FmiOption = Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")]
 PlatformsOption = Annotated[
@@ -89,7 +93,7 @@ def _start_option(unit: str, help: str, least: float = 0.0) -> Any:
 def build_fmu(
     law: LawArgument,
     output: Annotated[Path, file_option("CLAMP.fmu", "The FMU to write.")],
-    kind: KindOption = FmuKind.python,
+    kind: KindOption = None,
     fmi: FmiOption = None,
     platforms: PlatformsOption = None,
     amplitude: Annotated[
@@ -128,8 +132,9 @@ def build_fmu(
     )
     build_python, build_native = partial(build_clamp, start=start), partial(build_native_clamp, start=start)
     for asked, option in ((no_events, "--no-events"), (memory_as_states, "--memory-as-states")):
-        if asked and kind is not FmuKind.native:
+        if asked and kind is FmuKind.python:
             raise typer.BadParameter("it is for --kind native: a Python FMU has no model exchange", param_hint=option)
+    kind = FmuKind.native if no_events or memory_as_states else kind
     spare(law, outputs=(output,))
     with showing_progress("build-fmu"):
         file = opened_law(law)
@@ -167,7 +172,7 @@ def set_parameters(
 def build_pipe(
     pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
     output: Annotated[Path, file_option("PIPE.fmu", "The FMU to write.")],
-    kind: KindOption = FmuKind.python,
+    kind: KindOption = None,
     fmi: FmiOption = None,
     platforms: PlatformsOption = None,
 ) -> None:
@@ -281,7 +286,10 @@ def _limits(texts: list[str] | None, bands: float | None) -> dict[str, float]:
 def system_structure(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
     output: Annotated[Path, file_option("SYSTEM.ssp", "The SSP to write.")],
-    kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
+    kind: Annotated[
+        FmuKind | None,
+        typer.Option(help="Of all that isn't an FMU yet; native by default, python where no C compiler is found."),
+    ] = None,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
     from pipeclamp_identification.workflow.next_built import after_packaging
@@ -290,8 +298,9 @@ def system_structure(
 
     spare(system, outputs=(output,))
     with showing_progress("system") as tell:
-        found = write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE, tell)
-    put(f"{output}: SSP 1.0, {kind.value}")
+        made = kind or _kind_here()
+        found = write_system(system, output, PYTHON if made is FmuKind.python else NATIVE, tell)
+    put(f"{output}: SSP 1.0, {made.value}")
     if found.step is None:
         masters = f"masters that couple in parallel, as most do, in no step down to {found.tried:.3g} s"
         say([doubt(f"{masters}; use a master that iterates, or pipeclamp cosim")])
@@ -346,27 +355,38 @@ def sweep(
     _say_all(sections[0], None, output, following)
 
 
+def _kind_here() -> FmuKind:
+    """Give the kind that is made unasked: native where a C compiler is found."""
+    from pipeclamp_fmu.native.compiler import default_platforms
+
+    return FmuKind.native if default_platforms(int(FmiVersion.fmi2)) else FmuKind.python
+
+
 def _built(
     source: Source,
     output: Path,
     build_python: Callable[[Source, Path], object],
     build_native: Callable[[Source, Path, int, tuple[str, ...] | None], Built],
-    kind: FmuKind,
+    kind: FmuKind | None,
     fmi: FmiVersion | None,
     platforms: str | None,
 ) -> str:
-    """Build an FMU of a kind and say what was made."""
-    if kind is FmuKind.native:
+    """Build an FMU of a kind, where None of the one that is made unasked, and say what was made."""
+    only_native = platforms is not None or fmi is not None
+    chosen = kind or (FmuKind.native if only_native else _kind_here())
+    if chosen is FmuKind.native:
         named = None if platforms is None else names_in(platforms)
         built = build_native(source, output, int(fmi or FmiVersion.fmi2), named)
         libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
+        libraries += "; others by --platforms" if named is None and built.platforms else ""
         return f"FMI {built.fmi}.0 co-simulation and model exchange, native ({libraries})"
-    if platforms is not None or fmi is not None:
+    if only_native:
         raise UsageError(
             "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
         )
     build_python(source, output)
+    unasked = "" if kind else "no C compiler was found: "
     return (
-        "FMI 2.0 co-simulation, run by Python. A tool that unpacks it to a path with + ( ) or letters beyond ASCII "
-        "crashes; an FMU of --kind native runs from any path"
+        f"{unasked}FMI 2.0 co-simulation, run by Python. A tool that unpacks it to a path with + ( ) or letters beyond "
+        "ASCII crashes; an FMU of --kind native runs from any path"
     )

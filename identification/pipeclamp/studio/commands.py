@@ -138,8 +138,8 @@ def discover_task(project: Project, of: str) -> tuple[JobTask, str]:
 
 def build_line(project: Project, law: str, kind: str) -> str:
     """Give the line that builds a law's FMU."""
-    beside = ("--kind", "native") if kind == "native" else ()
-    return shell_line("build-fmu", project.shown(f"{law}.json"), "-o", project.shown(f"{law}.fmu"), "--track", *beside)
+    fmu = project.shown(f"{law}.fmu")
+    return shell_line("build-fmu", project.shown(f"{law}.json"), "-o", fmu, "--track", "--kind", kind)
 
 
 def build_task(project: Project, law: str, kind: str) -> JobTask:
