@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 FIT_TOLERANCE = 1e-10
 MOST_EVALUATIONS = 100
 HARDLY_SHOWN = 1e-3
-"""Of a parameter that the data hardly show, its whole size moves the residuals by less than this, in units of their
-standard errors: what a start doesn't show goes last, what the end doesn't show isn't determined."""
+"""Of a parameter that a start hardly shows, its whole size moves the residuals by less than this, in units of their
+standard errors."""
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 ALIKE_SHARE = 1e-3
@@ -172,7 +172,7 @@ def _minimise(
 
     priors = priors_of(equations, scales)
 
-    def minimise(method: str, values: Array, places: IntArray, at: Array, until: float = tolerance) -> OptimizeResult:
+    def minimise(method: str, values: Array, places: IntArray, at: Array) -> OptimizeResult:
         own, prior = Evaluator(law, values, places), priors.of(places)
         prior_slopes = np.diag(prior.root)
         inside = np.isin(free, places)
@@ -183,22 +183,21 @@ def _minimise(
             bounds=(lower[inside], upper[inside]),
             x_scale="jac",
             method=method,
-            ftol=until,
-            xtol=until,
-            gtol=until,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
             max_nfev=MOST_EVALUATIONS,
         )
 
     # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
     with np.errstate(over="ignore", invalid="ignore"):
-        # What the start hardly shows would take steps of no size, and shorten those of all others: these go first, to
-        # half of the digits, for all go on from there.
+        # What the start hardly shows would take steps of no size, and shorten those of all others: these go first.
         sizes = _sizes(equations.parameters, scales)[free]
         shown = np.linalg.norm(evaluator.jacobian(x0), axis=0) * sizes > HARDLY_SHOWN
         if np.any(shown) and not np.all(shown):
             values = begin.copy()
             values[free] = x0
-            x0[shown] = minimise("trf", values, free[shown], x0[shown], np.sqrt(tolerance)).x
+            x0[shown] = minimise("trf", values, free[shown], x0[shown]).x
         result = minimise("trf", begin, free, x0)
         if result.status == 0:
             # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
@@ -220,7 +219,6 @@ def _finish(
     lower, upper = parameter_bounds(equations, scales)
     frozen = dict(reasons)
     priors = priors_of(equations, scales)
-    sizes = _sizes(equations.parameters, scales)
     fitted = np.array([name not in frozen for name in equations.names], dtype=bool)
     held = fitted & close_to_a_bound(values, lower, upper, AT_BOUND)
     close = np.flatnonzero(fitted & ~held & close_to_a_bound(values, lower, upper, CLOSE))
@@ -238,7 +236,7 @@ def _finish(
         evaluator = Evaluator(law, values, free)
         jacobian = evaluator.jacobian(values[free])
         norms = np.linalg.norm(jacobian, axis=0)
-        norms[(norms < SINGULAR_SHARE * roots[free]) | ((norms * sizes[free] < HARDLY_SHOWN) & (sizes[free] > 0))] = 0.0
+        norms[norms < SINGULAR_SHARE * roots[free]] = 0.0
         scaled = jacobian / np.where(norms > 0, norms, 1.0)
         _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
         if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR_SHARE * singular[0]):
