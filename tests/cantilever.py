@@ -43,6 +43,15 @@ frequency_Hz = {frequency_Hz}
 stop_s = 1.0
 step_s = 0.001
 """
+FOUR_METRES = """
+name = "pipe"
+pipe = { outer_diameter_mm = 60.3, wall_mm = 3.9, length_m = 4.0, material = "carbon steel", fluid = "water" }
+ends = { left = "clamped", right = "free" }
+clamps = [{ name = "c", position_m = 3.2 }]
+damping = { ratio = 0.01 }
+modes = { up_to_Hz = 25.0 }
+"""
+"""PIPE.toml of another, with water inside and a clamp near its free end, for responses that have several branches."""
 ONE_CLAMP = {"clamp1": 2.0}
 
 

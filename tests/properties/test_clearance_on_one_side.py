@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from cantilever import FOUR_METRES
 
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.law import Law, Structure
@@ -14,14 +15,6 @@ from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.states import half_range
 
-PIPE = """
-name = "pipe"
-pipe = { outer_diameter_mm = 60.3, wall_mm = 3.9, length_m = 4.0, material = "carbon steel", fluid = "water" }
-ends = { left = "clamped", right = "free" }
-clamps = [{ name = "c", position_m = 3.2 }]
-damping = { ratio = 0.01 }
-modes = { up_to_Hz = 25.0 }
-"""
 CLEARANCE = """
 id = "one_sided"
 title = "Clearance on one side"
@@ -44,7 +37,7 @@ def one_sided(folder: Path, path: str, k10: float, g: float) -> SteadySystem:
     known = {"k10": k10, "c0": 0.004, "alpha0": 1.0, "g": g}
     law = Law(structure, {name: known.get(name, 0.0) for name in structure.equations.names}, 1e-6, 1e-6)
     clamp = SteadyClamp(law, 293.15, 1.0, 6.0, (0.01, 9.0), (0.5, 60.0))
-    return SteadySystem(reduce(parse_pipe(PIPE)), [(0, clamp)], lambda frequency: 0.5)
+    return SteadySystem(reduce(parse_pipe(FOUR_METRES)), [(0, clamp)], lambda frequency: 0.5)
 
 
 def test_a_small_peak_beside_a_large_one_is_not_stepped_over(tmp_path: Path) -> None:

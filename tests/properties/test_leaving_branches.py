@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cantilever import FOUR_METRES
 
 from pipeclamp_identification.on_pipe.sines import compare_pipe
 from pipeclamp_models.law.law import Law, Structure
@@ -19,14 +20,6 @@ from pipeclamp_system.steady.detached import leaving_branches
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, curve_of
 from pipeclamp_system.steady.states import SteadyState, half_range
 
-PIPE = """
-name = "pipe"
-pipe = { outer_diameter_mm = 60.3, wall_mm = 3.9, length_m = 4.0, material = "carbon steel", fluid = "water" }
-ends = { left = "clamped", right = "free" }
-clamps = [{ name = "c", position_m = 3.2 }]
-damping = { ratio = 0.01 }
-modes = { up_to_Hz = 25.0 }
-"""
 FIRST, LAST = 1.8, 4.0
 
 SHOT = {2.25: [(0.91997, 0.03841)], 2.6: [(1.1113, 0.0683), (1.22480, 0.01528)], 2.7: [(1.10644, 0.00749)]}
@@ -39,7 +32,7 @@ def system(effects: tuple[str, ...] = ("gap",), **values: float) -> SteadySystem
     known = {"k10": 14.0, "c0": 0.004, "alpha0": 1.0, "g": 0.3} | values
     law = Law(structure, {name: known.get(name, 0.0) for name in structure.equations.names}, 1e-6, 1e-6)
     clamp = SteadyClamp(law, 293.15, 1.0, 6.0, (0.01, 9.0), (0.5, 60.0))
-    return SteadySystem(reduce(parse_pipe(PIPE)), [(0, clamp)], lambda frequency: 0.5)
+    return SteadySystem(reduce(parse_pipe(FOUR_METRES)), [(0, clamp)], lambda frequency: 0.5)
 
 
 def amplitude(state: SteadyState) -> float:
@@ -100,7 +93,7 @@ def test_what_was_measured_is_compared_with_a_branch_that_leaves(
 ) -> None:
     """Where the symmetric motion is unstable a pipe settles on the other one: there had been nothing to compare."""
     write_law(tmp_path / "law.json", {"k10": 14.0, "c0": 0.004, "alpha0": 1.0, "g": 0.3}, "power", ("gap",), 1e-6)
-    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(FOUR_METRES, encoding="utf-8")
     (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
     folder = tmp_path / "measured"
     folder.mkdir()

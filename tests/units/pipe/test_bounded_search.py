@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cantilever import FOUR_METRES
 
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.pipe.description import parse_pipe
@@ -13,22 +14,13 @@ from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution, 
 from pipeclamp_system.steady.described import ResponseTable
 from pipeclamp_system.steady.response import FrequencyResponse, curve_of
 
-PIPE = """
-name = "pipe"
-pipe = { outer_diameter_mm = 60.3, wall_mm = 3.9, length_m = 4.0, material = "carbon steel", fluid = "water" }
-ends = { left = "clamped", right = "free" }
-clamps = [{ name = "c", position_m = 3.2 }]
-damping = { ratio = 0.01 }
-modes = { up_to_Hz = 25.0 }
-"""
-
 
 def hardening() -> SteadySystem:
     structure = Structure("power", ())
     known = {"k10": 8.0, "k30": 2.0, "c0": 0.004, "alpha0": 1.0}
     law = Law(structure, {name: known.get(name, 0.0) for name in structure.equations.names}, 1e-6, 1e-6)
     clamp = SteadyClamp(law, 293.15, 1.0, 6.0, (0.01, 9.0), (0.5, 60.0))
-    return SteadySystem(reduce(parse_pipe(PIPE)), [(0, clamp)], lambda frequency: 0.5)
+    return SteadySystem(reduce(parse_pipe(FOUR_METRES)), [(0, clamp)], lambda frequency: 0.5)
 
 
 def said_of(table: ResponseTable) -> tuple[str, list[str]]:
