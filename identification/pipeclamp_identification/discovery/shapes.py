@@ -185,7 +185,7 @@ def _velocity(meaning: str, *shares: float) -> Entry:
 
 
 TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
-        "upper": "100 / f_lowest"}  # fmt: skip
+        "upper": "100 / f_lowest", "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))}  # fmt: skip
 CREEPS = (0.005, 0.05, 0.5)
 """Shares of a typical cycle in which an element that creeps is relaxed from a typical strain, where fits begin."""
 LEAST_LIMIT = 0.001
@@ -262,8 +262,7 @@ def moved_by_temperature() -> Iterator[tuple[Family, Shape]]:
     trial = "z_x + (y - y_previous) / A_0"
     yield "element", Shape(
         "warm_relaxing", "z_x", "a spring whose force creeps away in a time that temperature changes",
-        ({**TIME, "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))},
-         scaling("by how much the time's logarithm falls for each 100 K", 0.5, -0.5)),
+        (TIME, scaling("by how much the time's logarithm falls for each 100 K", 0.5, -0.5)),
         {"symbol": "z_x", "unit": "-", "meaning": "strain of the element",
          "update": f"({trial}) / (1 + h / t_x * exp(s_x * {warmer}))"},
         f"{STRENGTH} * A_0 * z_x**2 / 2",
