@@ -40,8 +40,8 @@ NEAR_NOISE_SHARE = 5.0
 """Where the best effect still leaves more than so many times the force noise, no second one is tried with it: the best
 takes its part first, and what remains is asked of the catalogue with it in the law."""
 SAME_PART_SHARE = 0.5
-"""Two effects rival each other for a part where one promises less than this share beside the other of what it promises
-alone; otherwise both are missing."""
+"""Two effects rival each other for a part where one takes less than this share beside the other of what it takes alone;
+otherwise both are missing."""
 ALONE_SHARE = UNEXPLAINED_SHARE**2
 """Of two effects that explain it together, the one to name must explain this share (mean square) alone: two that do so
 only against each other are terms of a series, not physics."""

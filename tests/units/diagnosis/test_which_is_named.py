@@ -255,13 +255,13 @@ def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeyp
 
 def weighed_part(monkeypatch, *, same):
     """Give the reason for which the better of two effects is a part, where the other comes near."""
-    stand_in(monkeypatch, "_same_part", lambda other, best, promises, scales: same)
+    stand_in(monkeypatch, "_same_part", lambda other, best, promises, pairs, scales: same)
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: True)
     best, other, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 65.0, 90.0), ("", 100.0, 100.0)))
     best.reservations = ()
     law.lack = SimpleNamespace(share=9.0)
     scales = on_scales(law, [best, other])
-    return one_part([best, other], [other], [], None, scales)
+    return one_part([best, other], [other], [], [], scales)
 
 
 def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
@@ -273,6 +273,20 @@ def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
     assert weighed_part(monkeypatch, same=True).verdict == "ambiguous"
 
 
+@pytest.mark.parametrize(("together", "verdict"), [(19.0, "missing"), (55.0, "ambiguous")])
+def test_two_fitted_together_tell_whether_they_take_the_same_part(together, verdict, monkeypatch):
+    """One step held a band's tension and a slip for rivals, and together they took more than both take alone."""
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: True)
+    law = candidate("", 100.0, 100.0)
+    best, other = candidate("memory:2", 66.0, 80.0), candidate("viscous", 68.0, 90.0)
+    pair = candidate("viscous", together, 70.0)
+    pair.effects = ("viscous", "memory")
+    best.reservations = other.reservations = ()
+    law.lack = SimpleNamespace(share=9.0)
+    found = one_part([best, other], [other], [], [pair], on_scales(law, [best, other]))
+    assert found.verdict == verdict
+
+
 def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(monkeypatch):
     best, more, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 40.0, 90.0), ("", 100.0, 100.0)))
     for each in (best, more, law):
@@ -280,7 +294,7 @@ def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(monkey
     law.lack = SimpleNamespace(share=9.0)
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: candidate is best)
     scales = on_scales(law, [best, more])
-    found = one_part([best], [], [], None, scales)
+    found = one_part([best], [], [], [], scales)
     assert (found.kind, found.effects) == ("part", ("viscous",))
     assert "memory takes most, 60% of what is missing" in found.reasons[0]
     assert "no rival" not in found.reasons[0]

@@ -40,7 +40,7 @@ def one_part(
     able: Sequence[Judged],
     rivals: Sequence[Judged],
     promises: Sequence[Promise],
-    pair: Judged | None,
+    pairs: Sequence[Judged],
     scales: Scales,
 ) -> Weighed | None:
     """Name the effect that clearly takes most of what is missing, though much remains; None where none does.
@@ -49,12 +49,13 @@ def one_part(
         able: effects that take a part beyond doubt, best first.
         rivals: those of them that can't be told from the best.
         promises: what these promise, at least.
-        pair: the best two effects together.
+        pairs: two effects together each, best first.
         scales: all candidates.
     """
     if not able:
         return None
-    same = [each for each in rivals if _same_part(each, able[0], promises, scales)]
+    same = [each for each in rivals if _same_part(each, able[0], promises, pairs, scales)]
+    pair = pairs[0] if pairs else None
     other_part = [each.effects[0] for each in rivals if not any(each is one for one in same)]
     alike = without_general([able[0], *same])
     if len(distinct(each.effects[0] for each in alike)) > 1:
@@ -71,7 +72,7 @@ def one_part(
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
     most = f"beyond doubt; {immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
-    nearest = f"but {other_part[0]} comes near: it takes another part, which is asked next" if other_part else ""
+    nearest = _takes_another_part(other_part[0], best, pairs, scales) if other_part else ""
     but = most or nearest or "and no rival comes near"
     return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form), others)
 
@@ -107,10 +108,32 @@ def _likeliest_of(alike: Sequence[Judged], law: Judged) -> Judged:
     return likeliest(each for each in alike if explained_share(each, law) >= enough)
 
 
-def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales: Scales) -> bool:
-    """Tell whether an effect takes what the best one takes too: beside it, little of its own is left."""
+def _same_part(
+    other: Judged, best: Judged, promises: Sequence[Promise], pairs: Sequence[Judged], scales: Scales
+) -> bool:
+    """Tell whether an effect takes what the best one takes too: beside it, little of its own is left.
+
+    Where both were fitted together, that tells; else one step does.
+    """
     name = other.effects[0]
+    together = _fitted_together(best, name, pairs)
+    if together is not None:
+        own, both, alone = (explained_share(each, scales.law) for each in (other, together, best))
+        return both - alone < SAME_PART_SHARE * own
     promise = next((each for each in promises if effect_id(each.name) == effect_id(name)), None)
     if promise is None or promise.gain <= 0 or not fits_beside(with_effect(scales.structure, best.effects[0]), name):
         return True
     return beside(promise, best, scales.law)[0] < SAME_PART_SHARE * promise.gain
+
+
+def _takes_another_part(name: str, best: Judged, pairs: Sequence[Judged], scales: Scales) -> str:
+    """Say that an effect comes near the best one with another part, and what both take where they were fitted so."""
+    together = _fitted_together(best, name, pairs)
+    both = f"; both together take {explained_share(together, scales.law):.0%}" if together else ""
+    return f"but {name} comes near: it takes another part, which is asked next{both}"
+
+
+def _fitted_together(one: Judged, other: str, pairs: Sequence[Judged]) -> Judged | None:
+    """Give the law with both effects, of whatever size; None where they weren't fitted together."""
+    ids = {effect_id(one.effects[0]), effect_id(other)}
+    return next((pair for pair in pairs if {effect_id(name) for name in pair.effects} == ids), None)

@@ -100,17 +100,17 @@ def _two_or_a_part(scales: Scales, sound: Sequence[Judged]) -> tuple[Weighed | N
     in_pairs = sound and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
     ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
     promises = screened(structure, problem, scales.law, scales.workers, ids)
-    pair: Judged | None = None
+    both: list[Judged] = []
     found: Weighed | None = None
     if sound:
         scales.workers.tell("two effects together")
         seconds = promises if in_pairs else ()
         both = pairs(structure, problem, scales.law, sound, scales.usable, seconds, scales.workers)
-        pair = both[0] if both else None
         found = _cause_of_two(both, sound, scales)
-        if found is None and outdoes(pair, able, scales):
-            found = part_of_two(pair, sound, scales)
-    found = found or one_part(able, rivals, promises, pair, scales) or part_of_two(pair, scales.sound, scales)
+    pair = both[0] if both else None
+    if found is None and outdoes(pair, able, scales):
+        found = part_of_two(pair, sound, scales)
+    found = found or one_part(able, rivals, promises, both, scales) or part_of_two(pair, scales.sound, scales)
     return found, pair
 
 
