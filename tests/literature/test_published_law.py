@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import gamma
 
+from pipeclamp_identification.loops.energies import loop_energies
 from pipeclamp_identification.loops.published_rows import published_rows
-from pipeclamp_identification.metrics_only.observations import loop_energies
 from pipeclamp_identification.metrics_only.published import (
     READINGS,
     emwm2_observations,

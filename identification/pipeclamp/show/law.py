@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.campaign.description import UNTIMED
+from pipeclamp_identification.comparison.in_the_middle import loop_in_the_middle
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
-from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_identification.signals.digits import one_digit, plain, with_error
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD, LawChange
-from pipeclamp_models.base.units import unit_shown
+from pipeclamp_models.base.units import CELSIUS, unit_shown
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 from pipeclamp_models.law.step import read_step
@@ -64,8 +65,9 @@ def fit_words(fit: FitQuality) -> str:
 
 
 def doubts(file: LawFile) -> list[str]:
-    """Say what of a law is less sure than its standard errors tell, and how groups of its runs differ from it."""
-    lines = [
+    """Say how well a law is known in the middle of its tests, what of it less well, and how groups of runs differ."""
+    lines = in_the_middle_words(file)
+    lines += [
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
     ]
@@ -78,6 +80,24 @@ def doubts(file: LawFile) -> list[str]:
         )
     groups = per_group_words(file.groups or ())
     return [*lines, *groups, *([sentence(LEFT_OUT_BESIDE)] if groups else [])]
+
+
+def in_the_middle_words(file: LawFile) -> list[str]:
+    """Say what a law's loop comes to in the middle of its tests; nothing where its errors aren't known."""
+    loop = loop_in_the_middle(file)
+    if loop is None:
+        return []
+    shown = {**loop.conditions, **({"T": loop.conditions["T"] - CELSIUS} if "T" in loop.conditions else {})}
+    units = {name: unit_shown(each.unit) for name, each in file.range.items()} | {"T": "°C"}
+    where = ", ".join(
+        f"{name} {plain(value, 3)}" + ("" if units[name] == "in its name" else f" {units[name]}")
+        for name, value in shown.items()
+    )
+    return [
+        f"In the middle of its tests ({where}) the law takes {with_error(loop.dissipated_energy, loop.energy_error)} J "
+        f"a cycle, at a stiffness of {with_error(loop.stiffness, loop.stiffness_error)} N/mm; the parameters stand at "
+        "1 mm, 1 Hz and 20 °C, where they may be less sure."
+    ]
 
 
 def per_group_table(column: str, files: Mapping[str, LawFile]) -> Table:

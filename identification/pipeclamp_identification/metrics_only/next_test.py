@@ -16,9 +16,10 @@ from pipeclamp_identification.diagnosis.further_test.next_test import (
     temperature_words,
 )
 from pipeclamp_identification.diagnosis.further_test.outlook import LEAST_DEVIATIONS, PROFILES, SINE
+from pipeclamp_identification.loops.energies import loop_energies, metric_slopes
 from pipeclamp_identification.metrics_only.campaign import SAMPLES_PER_CYCLE
 from pipeclamp_identification.metrics_only.evidence import MetricJudged
-from pipeclamp_identification.metrics_only.observations import MetricObservations, loop_energies, metric_slopes
+from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS

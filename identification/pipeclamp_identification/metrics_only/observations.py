@@ -8,9 +8,10 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.loops.energies import energy_slopes, loop_energies, metric_slopes
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.law import Law
-from pipeclamp_models.realise.force import LawForce, force_of_law, known_jacobian
+from pipeclamp_models.realise.force import LawForce, force_of_law
 from pipeclamp_models.realise.motion import Motion
 
 METRICS = ("dW", "W")
@@ -141,34 +142,3 @@ class MetricShares(MetricObservations):
     def _units(self) -> Array:
         whole = np.stack([2 * np.pi * self.elastic_energy, self.elastic_energy], axis=1)
         return np.asarray(whole * self.relative_error)
-
-
-def metric_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
-    """Give the derivatives of log dW and log W by some of the parameters, shape (P, R, 2).
-
-    Where a law makes energy instead of dissipating it, nan.
-    """
-    energies = np.stack(loop_energies(motion, law_force.force), axis=1)
-    return np.asarray(energy_slopes(motion, law_force, parameters) / np.where(energies > 0, energies, np.nan))
-
-
-def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
-    """Give the derivatives of dW and W in J by some of the parameters, shape (P, R, 2).
-
-    Where a law's force is beyond all numbers they are 0: a fit has no way on from there.
-    """
-    force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
-    rows = np.arange(len(force))
-    d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3
-    top = jacobian[:, rows, np.argmax(force, axis=1)]
-    bottom = jacobian[:, rows, np.argmin(force, axis=1)]
-    d_elastic = (top - bottom) / 2 * motion.slow["A"][:, 0] / 2e3
-    slopes = np.stack([d_dissipated, d_elastic], axis=2)
-    return np.where(np.isfinite(slopes), slopes, 0.0)
-
-
-def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
-    """Give dW and W in J of periodic loops, Eq. 2 and 4: dW = sum F v h, W = (Fmax - Fmin)/2 X0/2; shape (R,) each."""
-    dissipated = np.sum(force * motion.v * motion.h, axis=1) / 1e3
-    elastic = (force.max(axis=1) - force.min(axis=1)) / 2 * motion.slow["A"][:, 0] / 2e3
-    return dissipated, elastic

@@ -10,8 +10,9 @@ import numpy as np
 
 from pipeclamp_identification.fitting.joint.not_fitted import ONE_AMPLITUDE, undetermined, varies_in_amplitude
 from pipeclamp_identification.fitting.joint.points import starting_points
+from pipeclamp_identification.loops.energies import metric_slopes
 from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions, fewest_numbers
-from pipeclamp_identification.metrics_only.observations import MetricObservations, metric_slopes
+from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.thresholds import IMITATED_SHARE, UNSEEN_SHARE
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError

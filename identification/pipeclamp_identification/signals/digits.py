@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 
 def rounded_to(value: float, digits: int) -> float:
     """Give a number with so many significant digits."""
@@ -16,6 +18,20 @@ def plain(value: float, digits: int) -> str:
 def one_digit(value: float) -> str:
     """Give a standard error."""
     return plain(value, 1)
+
+
+def with_error(value: float, error: float) -> str:
+    """Give a value to the place that its standard error begins at, and that.
+
+    >>> with_error(83.1234, 0.52)
+    '83.1 ± 0.5'
+    >>> with_error(885.7, 146.3)
+    '900 ± 100'
+    """
+    if not error > 0 or value == 0:
+        return f"{plain(value, 3)} ± {one_digit(error)}"
+    digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 1
+    return f"{plain(value, max(digits, 1))} ± {one_digit(error)}"
 
 
 def newtons(force: float) -> str:

@@ -10,12 +10,12 @@ from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.fitting.joint.not_fitted import ONE_AMPLITUDE
 from pipeclamp_identification.fitting.least_squares import fit, unfitted
+from pipeclamp_identification.loops.energies import loop_energies
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import judge_metrics, metric_scatter_of
 from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.metrics_only.next_test import next_metric_test
-from pipeclamp_identification.metrics_only.observations import loop_energies
 from pipeclamp_identification.metrics_only.screen import look
 from pipeclamp_identification.metrics_only.verdict import diagnose_metrics
 from pipeclamp_identification.metrics_only.weighing import chance_words

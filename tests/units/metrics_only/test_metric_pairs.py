@@ -11,11 +11,12 @@ from few_effects import few_effects
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.fitting.joint.not_fitted import STATED
 from pipeclamp_identification.fitting.least_squares import fit
+from pipeclamp_identification.loops.energies import loop_energies
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.diagnosis_answer import metric_diagnosis_answer
 from pipeclamp_identification.metrics_only.law import MetricComparison, identify_metrics, metric_law_file
-from pipeclamp_identification.metrics_only.observations import as_seen_at_few, loop_energies
+from pipeclamp_identification.metrics_only.observations import as_seen_at_few
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_identification.metrics_only.verdict import diagnose_metrics
 from pipeclamp_identification.workflow.auto import add_until_settled

@@ -1,0 +1,70 @@
+"""What a law's loop comes to in the middle of its tests, and how well they determine it there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.loops.energies import loop_energies, metric_slopes
+from pipeclamp_models.base.signals import OWN_SIGNALS, REFERENCES, condition_signal
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import sinusoids
+
+BY_RATIO = ("A", "f")
+"""Conditions whose levels are ratios of each other: their middle is the geometric mean."""
+
+
+@dataclass(frozen=True)
+class LoopInTheMiddle:
+    """A law's loop of a sine in the middle of its range.
+
+    Attributes:
+        conditions: by their names in the law's range, in its units (T in K).
+        dissipated_energy: dW, J.
+        stiffness: (Fmax - Fmin)/(2 A), N/mm; Eq. 3 of Symmetry 2020, 12(8), 1283.
+        energy_error, stiffness_error: standard errors, by the covariance of the parameters.
+    """
+
+    conditions: Mapping[str, float]
+    dissipated_energy: float
+    energy_error: float
+    stiffness: float
+    stiffness_error: float
+
+
+def middle_of_range(file: LawFile) -> dict[str, float]:
+    """Give the middle of each condition's range, by its name there, in its unit."""
+    return {
+        name: float(np.sqrt(each.minimum * each.maximum)) if name in BY_RATIO else (each.minimum + each.maximum) / 2
+        for name, each in file.range.items()
+    }
+
+
+def loop_in_the_middle(file: LawFile) -> LoopInTheMiddle | None:
+    """Give a law's loop in the middle of its range; None where its errors aren't known, or it dissipates nothing.
+
+    Single parameters may be known badly where the loop isn't: they stand at 1 mm, 1 Hz and 20 degC, which may lie far
+    from all tests.
+    """
+    told = file.covariance
+    if told is None or not told.names:
+        return None
+    law, conditions = law_of(file), middle_of_range(file)
+    motion = sinusoids(conditions["A"], conditions["f"], conditions.get("T", REFERENCES["T_0"]))
+    signals = {name if name in OWN_SIGNALS.values() else condition_signal(name): name for name in conditions}
+    further = {signal: np.full((1, 1), conditions[name]) for signal, name in signals.items() if name not in motion.slow}
+    motion = replace(motion, slow={**motion.slow, **further})
+    equations = law.equations
+    law_force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
+    places = np.array([equations.names.index(name) for name in told.names])
+    slopes = metric_slopes(motion, law_force, places)[:, 0]
+    shares = np.sqrt(np.einsum("pm,pq,qm->m", slopes, np.array(told.matrix), slopes))
+    (dissipated,), (elastic,) = loop_energies(motion, law_force.force)
+    stiffness = 2e3 * elastic / conditions["A"] ** 2
+    found = np.array([dissipated, dissipated * shares[0], stiffness, stiffness * shares[1]])
+    if not np.all(np.isfinite(found)) or dissipated <= 0:
+        return None
+    return LoopInTheMiddle(conditions, *found.tolist())
