@@ -32,6 +32,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
+from pipeclamp_identification.fitting.joint.not_fitted import undetermined
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.joint.starts import kept
 from pipeclamp_identification.fitting.refinement import refined_starts
@@ -277,7 +278,8 @@ def twins(
 def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:
     """Give the pairs of an effect with those that scale what only it has: none of them can be screened without it.
 
-    Each comes with the cost after one step from the best of its starts.
+    Not with one of which these tests show nothing: one over T where T doesn't vary. Each comes with the cost after one
+    step from the best of its starts.
     """
     larger = with_effect(structure, first.effects[0])
     contenders = []
@@ -286,6 +288,8 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
         if fits(structure, name) or not fits_beside(larger, name):
             continue
         both, stated = with_effect(larger, name), first.result.law.values
+        if undetermined(both.equations, problem.coarse).keys() >= {one.name for one in both.effect(name).parameters}:
+            continue
         points = ((point, kept(point, stated)) for point in starting_points(both, problem.coarse, stated))
         promising = promising_starts(both, problem, points)
         starts = [start.values for start in promising]
@@ -296,10 +300,10 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
 
 
 def _best_roughly(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[Contender]:
-    """Give those that do best when all are fitted roughly, from where that ended."""
-    rough = _each_roughly(contenders, problem, workers)
+    """Give those that do best when all are fitted roughly from one start; they go on from there, or from the next."""
+    rough = _each_roughly([replace(each, starts=each.starts[:1]) for each in contenders], problem, workers)
     order = sorted(range(len(rough)), key=lambda place: rough[place].cost)[:MOST_PAIRED]
-    return [replace(contenders[place], starts=[rough[place].values]) for place in order]
+    return [replace(contenders[place], starts=[rough[place].values, *contenders[place].starts[1:]]) for place in order]
 
 
 def best_of_each(judged: Sequence[Judged]) -> list[Judged]:
