@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
+from pipeclamp_models.base.said import few_of
+
 MOST_BARS = 12
 MOST_TRACES = 8
 TRACE_KINDS = {"bar": "bars", "heatmap": "map", "contour": "contours", "scatter": "line"}
@@ -17,8 +19,7 @@ def words_of(figure: go.Figure) -> str:
     """Say what a picture shows: its title, and each trace with its kind and its range, those alike once."""
     title = _plain(figure.layout.title.text or "Picture")
     told = list(dict.fromkeys(filter(None, (_trace_words(figure, trace) for trace in figure.data))))
-    more = f"; and {len(told) - MOST_TRACES} more" if len(told) > MOST_TRACES else ""
-    return f"{title}. {'; '.join(told[:MOST_TRACES])}{more}." if told else f"{title}."
+    return f"{title}. {few_of(told, MOST_TRACES, '; ')}." if told else f"{title}."
 
 
 def _trace_words(figure: go.Figure, trace: Any) -> str:

@@ -16,7 +16,7 @@ from pipeclamp_identification.importing.records.imported import ImportedRecords
 from pipeclamp_identification.importing.results.imported import ImportedResults
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
-from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.said import counted, few_of
 from pipeclamp_models.base.shell import quoted, shell_line
 
 MOST_NAMED = 3
@@ -33,17 +33,12 @@ def columns_table(files: tuple[ImportedFile, ...]) -> Table:
     rows = [
         (
             ours, column.channel, Conversion(column.factor, column.offset).words(),
-            "stated" if column.stated else "by name and unit", _named(names),
+            "stated" if column.stated else "by name and unit", few_of(names, MOST_NAMED),
         )
         for columns, names in alike.items()
         for ours, column in columns
     ]  # fmt: skip
     return Table(("column", "channel", "turned by", "known", "files"), rows)
-
-
-def _named(names: list[str]) -> str:
-    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return ", ".join(names[:MOST_NAMED]) + more
 
 
 @singledispatch

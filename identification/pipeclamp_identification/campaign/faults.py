@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.records import UnusableRecord
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.said import counted, few_of
 
 Channel = Literal["force", "displacement"]
 FaultKind = Literal["clipped", "stuck", "dead", "zero_drift", "gain_drift"]
@@ -91,5 +91,4 @@ def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[S
 
 def runs_named(runs: Sequence[str]) -> str:
     """Name runs, a few of many."""
-    more = f" and {len(runs) - MOST_RUNS_NAMED} more" if len(runs) > MOST_RUNS_NAMED else ""
-    return ", ".join(runs[:MOST_RUNS_NAMED]) + more
+    return few_of(runs, MOST_RUNS_NAMED)

@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_identification.units.doubts import StatedAndShown
 from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.base.said import few_of
 
 MOST_NAMED = 3
 """Runs that a sentence names."""
@@ -204,15 +205,12 @@ def contradiction(column: str, settings: Mapping[str, StatedAndShown]) -> str:
     if not wrong:
         return ""
     stated, shown = np.array([*wrong.values()]).T
-    which = ", ".join([*wrong][:MOST_NAMED]) + (
-        f" and {len(wrong) - MOST_NAMED} more" if len(wrong) > MOST_NAMED else ""
-    )
     ratio = float(np.median(shown / stated))
     low, high = PEAK_TO_PEAK
     asked = " (stated from peak to peak?)" if column == "amplitude_mm" and low < ratio < high else ""
     return (
         f"{column} in runs.csv is {_span(stated)}, the records show {_span(shown)}, {ratio:.2g} times as much, in "
-        f"{len(wrong)} of {len(settings)} runs ({which}){asked}; what the records show is used"
+        f"{len(wrong)} of {len(settings)} runs ({few_of([*wrong], MOST_NAMED)}){asked}; what the records show is used"
     )
 
 

@@ -12,7 +12,7 @@ from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, read_description
-from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault
+from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault, runs_named
 from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.judging import JudgedRuns, judge_runs
@@ -86,13 +86,12 @@ class Campaign:
         """
         if not self.free:
             return self
-        names, many = ", ".join(run.name for run in self.free), len(self.free) > 1
+        names, many = runs_named([run.name for run in self.free]), len(self.free) > 1
         if not self.runs:
             raise UserError(
                 f"{self.name}: {'all its runs have' if many else 'its only run has'} free motion ({names}); expected "
-                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these; a "
-                "program of one cycle a step is parted by a column that numbers its cycles (import: --columns "
-                "segment=...)"
+                "sines: `pipeclamp compare` holds a law against free motion; a program of single cycles is parted by "
+                "a column that numbers them (import: --columns segment=...)"
             )
         remark = (
             f"{counted(len(self.free), 'run')} of free motion {'are' if many else 'is'} left out ({names}): "

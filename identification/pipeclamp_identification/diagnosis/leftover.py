@@ -15,6 +15,7 @@ from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.signals.chances import of_all, of_larger_ratio, of_rank_correlation, rank_correlation
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, BoolArray
+from pipeclamp_models.base.said import few_of
 
 SAMPLES_PER_CYCLE = 360
 STRONGEST = 3
@@ -93,8 +94,7 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     words = (_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem))
     not_periodic = []
     if lines:
-        named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_LINES_NAMED])
-        named += f" and {len(lines) - MOST_LINES_NAMED} more" if len(lines) > MOST_LINES_NAMED else ""
+        named = few_of([f"{line:.2f} Hz" for line in lines], MOST_LINES_NAMED)
         not_periodic.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
         not_periodic += harmonics_at(lines[:MOST_LINES_NAMED], problem.loops)
     fractions = () if smoothed else fractional_lines(campaign, misfits)

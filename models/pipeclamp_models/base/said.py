@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 
 LONGEST_LINE = 289
 """Characters of a line of a message, at most: 300 with the program's name before it."""
@@ -42,6 +43,16 @@ def _shown(character: str) -> str:
 def counted(count: int, what: str) -> str:
     """Give how many there are of what has an s in the plural: "1 run", "2 runs"."""
     return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def few_of(texts: Sequence[str], most: int, between: str = ", ") -> str:
+    """Name the first of many: "a, b and 3 more".
+
+    >>> few_of(["a", "b", "c"], most=2)
+    'a, b and 1 more'
+    """
+    more = f" and {len(texts) - most} more" if len(texts) > most else ""
+    return between.join(texts[:most]) + more
 
 
 def message(text: str) -> str:

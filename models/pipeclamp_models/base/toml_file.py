@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.files import read_text
+from pipeclamp_models.base.said import few_of
 from pipeclamp_models.base.units import CELSIUS
 
 SMALLEST_QUANTITY, LARGEST_QUANTITY = 1e-12, 1e15
@@ -63,9 +64,8 @@ Found = TypeVar("Found")
 
 def unknown(name: str, known: list[str], kind: str) -> str:
     """Say that a name isn't known, which one was probably meant, and which there are."""
-    expected = ", ".join(known[:MOST_NAMES_LISTED]) if known else "none"
-    more = f" and {len(known) - MOST_NAMES_LISTED} more" if len(known) > MOST_NAMES_LISTED else ""
-    return f"{kind} {_short(repr(name), 60)} is not known; {did_you_mean(name, known)}expected {expected}{more}"
+    expected = few_of(known, MOST_NAMES_LISTED) or "none"
+    return f"{kind} {_short(repr(name), 60)} is not known; {did_you_mean(name, known)}expected {expected}"
 
 
 def looked_up(find: Callable[[str], Found]) -> Callable[[str], str]:
