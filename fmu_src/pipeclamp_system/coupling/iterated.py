@@ -200,9 +200,9 @@ class Iteration:
         except NotFoundError as error:
             raise UserError(
                 f"step {start.index + 1} (t = {end:.6g} s): the forces of pipe and clamps don't agree after "
-                f"{self._tolerance.trials} secants and {MOST_SWEEPS} enclosings: {error.error:.1e} of the largest force "
-                f"apart, expected at most {self._tolerance.relative:.1e}; use scheme = 'implicit', a smaller step_s, a "
-                "larger tolerance or more max_iterations"
+                f"{self._tolerance.trials} secants and {MOST_SWEEPS} enclosings: {error.error:.1e} of the largest "
+                f"force apart, expected at most {self._tolerance.relative:.1e}; use scheme = 'implicit', a smaller "
+                "step_s, a larger tolerance or more max_iterations"
             ) from error
 
     def _stopped(self, start: Point, reached: Point) -> Sides:
