@@ -316,8 +316,12 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
     assert any(words in reason for reason in found.reasons) == told
 
 
-def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkeypatch):
-    """An inertia and an asymmetry were missing; that a gas spring could be the second left open which comes first."""
+@pytest.mark.parametrize(("left", "kind"), [(0.0, "cause"), (0.3, "part")])
+def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(left, kind, monkeypatch):
+    """An inertia and an asymmetry were missing; that a gas spring could be the second left open which comes first.
+
+    Where two leave something of a form they are parts: of one stop "two effects are missing" had been said.
+    """
     asymmetry, gas, inertia = (
         candidate("asymmetry", 60.0, 60.0),
         candidate("gas_spring", 58.0, 55.0),
@@ -329,14 +333,16 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkey
     pairs = []
     for place, other in enumerate(("asymmetry", "gas_spring", "pressed_slip")):
         pairs.append(candidate("inertia", 1.0, 10.0 + 20.0 * (place == 2)))
-        pairs[-1].effects, pairs[-1].lack = (other, "inertia"), SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+        lack = SimpleNamespace(p_value=0.0 if left else 0.5, share=left, sure_share=left)
+        pairs[-1].effects, pairs[-1].lack = (other, "inertia"), lack
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
     stand_in(monkeypatch, "screened", lambda *of: [])
     stand_in(monkeypatch, "pairs", lambda *of: pairs)
     stand_in(monkeypatch, "twins", lambda *of: [])
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
     found = weighed(law, [gas, asymmetry, inertia])
-    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))
+    assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("inertia",))
+    assert ("two effects are missing" in found.reasons[0]) == (kind == "cause")
     assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
 
 

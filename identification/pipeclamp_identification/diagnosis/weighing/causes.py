@@ -160,10 +160,10 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     by_itself = explained_share(named, scales.law)
     alone, together = told_apart(by_itself, explained_share(pair, scales.law))
     takes = alone if by_itself >= NEXT_TO_NOTHING else "next to nothing"
-    reason = (
-        f"two effects are missing: {named.effects[0]} first, which takes {takes} by itself; with {second} beside it "
-        f"{together} is explained"
-    )
+    first = named.effects[0]
+    # of parts nothing shows how many effects stand behind them
+    does = f"two effects are missing: {first} first, which takes" if kind == "cause" else f"{first} takes"
+    reason = f"{does} {takes} by itself; with {second} beside it {together} is explained"
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 
 
