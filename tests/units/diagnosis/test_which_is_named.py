@@ -346,6 +346,25 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(left, 
     assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
 
 
+@pytest.mark.parametrize(("takes", "named"), [(0.66, "stiffness_frequency"), (0.4, "memory:2")])
+def test_of_two_what_takes_half_in_force_is_named_first_and_as_it_was_judged(takes, named, monkeypatch):
+    """A bolts' torque took 66 % and slip 20 %; `memory:3` was named, of which the words told what `memory:2` does."""
+    slip, other = candidate("memory:2", 80.0, 60.0), candidate("stiffness_frequency", 100.0 * (1 - takes), 70.0)
+    law, pair = candidate("", 100.0, 100.0), candidate("memory:3", 8.0, 10.0)
+    for each, excess in ((slip, 60.0), (other, 40.0), (law, 100.0)):
+        each.lack = SimpleNamespace(p_value=0.0, share=3.0, sure_share=3.0, excess=excess)
+    pair.effects = ("memory:3", "stiffness_frequency")
+    pair.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
+    stand_in(monkeypatch, "screened", lambda *of: [])
+    stand_in(monkeypatch, "pairs", lambda *of: [pair])
+    stand_in(monkeypatch, "twins", lambda *of: [])
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
+    found = weighed(law, [slip, other])
+    assert (found.effects, found.named.effects) == ((named,), (named,))
+    assert f"{named} first, which takes" in found.reasons[0]
+
+
 @pytest.mark.parametrize(
     ("akaike", "parameters", "kind"), [(9.0, 2, "part"), (11.0, 2, "part"), (40.0, 2, "cause"), (9.0, 3, "cause")]
 )
