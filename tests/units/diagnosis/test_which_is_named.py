@@ -26,7 +26,8 @@ def candidate(effect, left, squares, structure="power"):
     law = SimpleNamespace(structure=Structure(structure, (effect,) if effect else ()))
     score = SimpleNamespace(mean_squares=np.full(6, left))
     return SimpleNamespace(
-        effects=(effect,), result=SimpleNamespace(law=law), score=score, missing=6 * left,
+        effects=(effect,), result=SimpleNamespace(law=law, equations=NAMES, fitted_parameters=()), score=score,
+        missing=6 * left,
         squares=squares, akaike=squares, objections=(), may_be_cause=True,
         lack=SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0),
     )  # fmt: skip
@@ -42,11 +43,14 @@ def stand_in(monkeypatch, name, function):
 TOLERANCE = Tolerance(0.1, 0.1, 0.75)
 
 
-def on_scales(law, candidates, problem=None, tolerance=TOLERANCE):
+TESTS, NAMES = SimpleNamespace(loops=None), SimpleNamespace(names=())
+
+
+def on_scales(law, candidates, problem=TESTS, tolerance=TOLERANCE):
     return Scales(law.result.law.structure, problem, law, candidates, tolerance, Workers(1, print))
 
 
-def weighed(law, candidates, problem=None, tolerance=TOLERANCE):
+def weighed(law, candidates, problem=TESTS, tolerance=TOLERANCE):
     return weigh(on_scales(law, candidates, problem, tolerance))
 
 
