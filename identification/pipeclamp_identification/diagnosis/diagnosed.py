@@ -124,7 +124,9 @@ class RecordDiagnosed:
         diagnosis = self.diagnosis
         if diagnosis.found.unstated is not None or diagnosis.found.bent is not None:
             return False
-        elsewhere = bool(self.sensors()) or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
+        # what was taken off the records, or left out with them, isn't in what is left
+        by_sensors = any(fault.done == "kept" for fault in self.comparison.campaign.faults)
+        elsewhere = by_sensors or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
         enough = int(amplitude_and_frequency_groups(diagnosis.problem.loops).max()) + 1 >= FEWEST_GROUPS
         return self.verdict == "unknown" and enough and not elsewhere
 

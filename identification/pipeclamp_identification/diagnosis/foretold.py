@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
+from pipeclamp_identification.fitting.heldout import follow_condition, is_foretold
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
+from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, IntArray
 
 
@@ -82,9 +85,39 @@ def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
     return np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares).astype(np.float64)
 
 
+class Elsewhere(NamedTuple):
+    """Errors on left-out groups of another kind, as shares of the force: the law's, and the candidate's."""
+
+    law: float
+    candidate: float
+
+
+def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Elsewhere]:
+    """Give the errors by which a candidate is held against a law on other left-out groups, by their name.
+
+    Where the law follows a condition by a curve that the levels that are left don't determine, what it errs on the one
+    left out says nothing, and with a candidate that leaves that curve as it is no more.
+
+    Args:
+        candidate: the law with more, or with something in its place.
+        law: the law.
+        loops: the tests.
+    """
+    every = {name: Elsewhere(error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
+    if not every:
+        return {}
+    of_the_law = law.result.fitted_parameters
+    brought = [each for each in candidate.result.fitted_parameters if each.name not in law.result.equations.names]
+    return {
+        name: errors
+        for name, errors in every.items()
+        if is_foretold(name, loops, of_the_law) or follow_condition(name, brought)
+    }
+
+
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
     """Tell whether a law takes a material share on all kinds of left-out conditions, beyond doubt, and fits better."""
     gain = gains(candidate, law, problem)
-    elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
+    elsewhere = all(error.candidate < error.law for error in held_against(candidate, law, problem.loops).values())
     material = explained_share(candidate, law) >= MATERIAL_PART_SHARE and candidate.akaike < law.akaike
     return bool(material and elsewhere and len(gain) > 1 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE)

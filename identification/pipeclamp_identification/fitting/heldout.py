@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -14,10 +14,14 @@ from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, Level, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.law.law import Law
+from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.realise.force import force_of_law
 
 FOLDS = 8
+OWN_GROUPS = {"temperature": "T", "density": "rho"}
+"""Slow signals of groups that are left out but by further conditions."""
 CLOSELY = 1e-6
 """Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
 
@@ -97,6 +101,27 @@ def further_groups(loops: Loops) -> dict[str, IntArray]:
     if len(specimens) >= 2:
         groups["specimen"] = _numbers(specimens, len(loops.specimen))
     return groups
+
+
+def is_foretold(name: str, loops: Loops, fitted: Iterable[ParameterOutline]) -> bool:
+    """Tell whether the other levels of a condition determine what parameters of a law do over it.
+
+    Args:
+        name: of groups that are left out, as of `further_groups`.
+        loops: the tests.
+        fitted: the parameters that were fitted.
+    """
+    levels = [one.levels for one in fitted if follow_condition(name, [one])]
+    if not levels:
+        return True
+    values = {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}[name]
+    return max(levels) < sum(level.known for level in number_levels(values, relative=SAME_SHARE))
+
+
+def follow_condition(name: str, parameters: Iterable[ParameterOutline]) -> bool:
+    """Tell whether one of these parameters follows the condition by which groups of this name are left out."""
+    signal = OWN_GROUPS.get(name) or condition_signal(name)
+    return any(signal in parameter.follows for parameter in parameters)
 
 
 def _numbers(levels: Sequence[Level], count: int) -> IntArray:

@@ -308,8 +308,8 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
         blank = [run for run, there in zip(runs, known, strict=True) if not there]
         raise UserError(
             f"the temperature is known for {known.sum()} of {len(temperature)} runs only, not for "
-            f"{', '.join(blank[:5])}{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, or blank it "
-            "everywhere"
+            f"{', '.join(blank[:5])}{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, take the "
+            "rows without it out, or blank it everywhere"
         )
     return temperature
 

@@ -19,19 +19,29 @@ EFFECT = Effect(
     told_apart_by="the temperatures tested in another order: a share that follows T, not the cycle number",
     parameters=(
         Parameter(
-            c_T1, "-", "log change of c per 100 K at T0", 0.0, -2.0, 2.0, neutral=0.0, follows=(T,), typical=-0.17
+            c_T1,
+            "-",
+            "log change of c per 100 K at T0",
+            0.0,
+            -6.0,  # a mineral oil of 20 °C loses so much of its viscosity
+            6.0,
+            neutral=0.0,
+            follows=(T,),
+            typical=-0.17,
+            known_within=2 / 3,
         ),
         Parameter(
             c_T2,
             "-",
             "bend of the log of c per (100 K)^2",
             0.0,
-            -1.0,
-            1.0,
+            -3.0,
+            3.0,
             neutral=0.0,
             follows=(T,),
             levels=3,
             typical=0.058,
+            known_within=1 / 3,
         ),
         Parameter(c_T3, "-", "its change per (100 K)^3", 0.0, -0.5, 0.5, neutral=0.0, follows=(T,), levels=4),
     ),

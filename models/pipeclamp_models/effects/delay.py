@@ -24,7 +24,7 @@ EFFECT = Effect(
             "time by which the force is late",
             0.001 / f_highest,
             lower=0.0,
-            upper=0.05 / f_highest,
+            upper=0.25 / f_highest,  # a quarter of a cycle later a spring looks like a damper that drives
             neutral=0.0,
         ),
     ),

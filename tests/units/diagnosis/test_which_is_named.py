@@ -26,7 +26,8 @@ def candidate(effect, left, squares, structure="power"):
     law = SimpleNamespace(structure=Structure(structure, (effect,) if effect else ()))
     score = SimpleNamespace(mean_squares=np.full(6, left))
     return SimpleNamespace(
-        effects=(effect,), result=SimpleNamespace(law=law), score=score, missing=6 * left,
+        effects=(effect,), result=SimpleNamespace(law=law, equations=NAMES, fitted_parameters=()), score=score,
+        missing=6 * left,
         squares=squares, akaike=squares, objections=(), may_be_cause=True,
         lack=SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0),
     )  # fmt: skip
@@ -42,11 +43,14 @@ def stand_in(monkeypatch, name, function):
 TOLERANCE = Tolerance(0.1, 0.1, 0.75)
 
 
-def on_scales(law, candidates, problem=None, tolerance=TOLERANCE):
+TESTS, NAMES = SimpleNamespace(loops=None), SimpleNamespace(names=())
+
+
+def on_scales(law, candidates, problem=TESTS, tolerance=TOLERANCE):
     return Scales(law.result.law.structure, problem, law, candidates, tolerance, Workers(1, print))
 
 
-def weighed(law, candidates, problem=None, tolerance=TOLERANCE):
+def weighed(law, candidates, problem=TESTS, tolerance=TOLERANCE):
     return weigh(on_scales(law, candidates, problem, tolerance))
 
 
@@ -316,8 +320,12 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
     assert any(words in reason for reason in found.reasons) == told
 
 
-def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkeypatch):
-    """An inertia and an asymmetry were missing; that a gas spring could be the second left open which comes first."""
+@pytest.mark.parametrize(("left", "kind"), [(0.0, "cause"), (0.3, "part")])
+def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(left, kind, monkeypatch):
+    """An inertia and an asymmetry were missing; that a gas spring could be the second left open which comes first.
+
+    Where two leave something of a form they are parts: of one stop "two effects are missing" had been said.
+    """
     asymmetry, gas, inertia = (
         candidate("asymmetry", 60.0, 60.0),
         candidate("gas_spring", 58.0, 55.0),
@@ -329,15 +337,36 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkey
     pairs = []
     for place, other in enumerate(("asymmetry", "gas_spring", "pressed_slip")):
         pairs.append(candidate("inertia", 1.0, 10.0 + 20.0 * (place == 2)))
-        pairs[-1].effects, pairs[-1].lack = (other, "inertia"), SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+        lack = SimpleNamespace(p_value=0.0 if left else 0.5, share=left, sure_share=left)
+        pairs[-1].effects, pairs[-1].lack = (other, "inertia"), lack
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
     stand_in(monkeypatch, "screened", lambda *of: [])
     stand_in(monkeypatch, "pairs", lambda *of: pairs)
     stand_in(monkeypatch, "twins", lambda *of: [])
     stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
     found = weighed(law, [gas, asymmetry, inertia])
-    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))
+    assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("inertia",))
+    assert ("two effects are missing" in found.reasons[0]) == (kind == "cause")
     assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
+
+
+@pytest.mark.parametrize(("takes", "named"), [(0.66, "stiffness_frequency"), (0.4, "memory:2")])
+def test_of_two_what_takes_half_in_force_is_named_first_and_as_it_was_judged(takes, named, monkeypatch):
+    """A bolts' torque took 66 % and slip 20 %; `memory:3` was named, of which the words told what `memory:2` does."""
+    slip, other = candidate("memory:2", 80.0, 60.0), candidate("stiffness_frequency", 100.0 * (1 - takes), 70.0)
+    law, pair = candidate("", 100.0, 100.0), candidate("memory:3", 8.0, 10.0)
+    for each, excess in ((slip, 60.0), (other, 40.0), (law, 100.0)):
+        each.lack = SimpleNamespace(p_value=0.0, share=3.0, sure_share=3.0, excess=excess)
+    pair.effects = ("memory:3", "stiffness_frequency")
+    pair.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
+    stand_in(monkeypatch, "screened", lambda *of: [])
+    stand_in(monkeypatch, "pairs", lambda *of: [pair])
+    stand_in(monkeypatch, "twins", lambda *of: [])
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
+    found = weighed(law, [slip, other])
+    assert (found.effects, found.named.effects) == ((named,), (named,))
+    assert f"{named} first, which takes" in found.reasons[0]
 
 
 @pytest.mark.parametrize(

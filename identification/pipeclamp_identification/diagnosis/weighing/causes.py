@@ -148,22 +148,23 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     foretells = share_of_error(pair, scales.law) >= HALF_TAKEN_SHARE
     kind: NamedKind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
     likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
-    firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
-    if not firsts:
+    able = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
+    if not able:
         return named_together(pair, sound, kind, together, scales)
-    named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
+    # beside another an effect may have grown; what is said is of the one by itself
+    alone = [next(one for one in sound if effect_id(one.effects[0]) == effect_id(name)) for name in able]
+    named, firsts = alone[0], [one.effects[0] for one in alone]
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
     both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
     second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
     by_itself = explained_share(named, scales.law)
-    alone, together = told_apart(by_itself, explained_share(pair, scales.law))
-    takes = alone if by_itself >= NEXT_TO_NOTHING else "next to nothing"
-    reason = (
-        f"two effects are missing: {named.effects[0]} first, which takes {takes} by itself; with {second} beside it "
-        f"{together} is explained"
-    )
+    part, together = told_apart(by_itself, explained_share(pair, scales.law))
+    takes = part if by_itself >= NEXT_TO_NOTHING else "next to nothing"
+    # of parts nothing shows how many effects stand behind them
+    does = f"two effects are missing: {firsts[0]} first, which takes" if kind == "cause" else f"{firsts[0]} takes"
+    reason = f"{does} {takes} by itself; with {second} beside it {together} is explained"
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 
 
@@ -213,16 +214,24 @@ def _first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: S
     """Give the effect that all pairs share which can't be told from the best one: what is open is the other alone.
 
     Where they share none that helps by itself, give the better effect of the best pair, and of each pair without it.
+    As of effects that explain it alone, what takes half of what is missing in N goes before others: noise that is
+    weighed beside a law without it holds some of it for scatter from run to run.
     """
+    halves = [effect_id(one.effects[0]) for one in takers_of_half(sound, scales.law)]
+
+    def place(name: str) -> tuple[int, float]:
+        identifier = effect_id(name)
+        return halves.index(identifier) if identifier in halves else len(halves), _alone(name, sound)
+
     shared = set.intersection(*({effect_id(name) for name in pair.effects} for pair in likely))
     in_all = [name for name in likely[0].effects if effect_id(name) in shared and _helps_alone(name, sound, scales.law)]
     if in_all:
-        return [min(in_all, key=lambda name: _alone(name, sound))]
+        return [min(in_all, key=place)]
     firsts: list[str] = []
     for pair in likely:
         taken = {effect_id(name) for name in firsts}
         if not taken & {effect_id(name) for name in pair.effects}:
-            firsts.append(min(pair.effects, key=lambda name: _alone(name, sound)))
+            firsts.append(min(pair.effects, key=place))
     return firsts
 
 

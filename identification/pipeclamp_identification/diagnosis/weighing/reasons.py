@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter, explained_share, takes_part
+from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter, explained_share, held_against, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
@@ -127,9 +127,9 @@ def _why_not(best: Judged, law: Judged, problem: Problem) -> str:
     """Say why a law isn't named, or what is added in it."""
     takes = explained_share(best, law)
     worse = [
-        f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
-        for name, error in best.heldout_by.items()
-        if error >= law.heldout_by[name]
+        f"on left-out {name} the error goes from {error.law:.2%} to {error.candidate:.2%}"
+        for name, error in held_against(best, law, problem.loops).items()
+        if error.candidate >= error.law
     ]
     if worse:
         why = "; ".join(worse)
