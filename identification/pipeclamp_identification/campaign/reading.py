@@ -91,8 +91,8 @@ class Campaign:
             raise UserError(
                 f"{self.name}: {'all its runs have' if many else 'its only run has'} free motion ({names}); expected "
                 "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these; a "
-                "program of one cycle a step is parted by a column that numbers its cycles (import: --columns "
-                "segment=...)"
+                "program of one cycle a step is parted by `pipeclamp import --columns segment=each-cycle`, which makes "
+                "each cycle a run"
             )
         remark = (
             f"{counted(len(self.free), 'run')} of free motion {'are' if many else 'is'} left out ({names}): "
