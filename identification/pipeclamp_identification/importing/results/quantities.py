@@ -16,7 +16,8 @@ from pipeclamp_models.base.errors import UserError
 TARGETS: Mapping[str, str] = {
     "frequency": "Hz", "amplitude": "mm", "force_amplitude": "N", "storage_stiffness": "N/mm",
     "loss_stiffness": "N/mm", "dynamic_stiffness": "N/mm", "loss_angle": "rad", "loss_factor": "",
-    "damping_ratio": "", "dissipated_energy": "J", "temperature": "degC",
+    "damping_ratio": "", "dissipated_energy": "J", "temperature": "degC", "size": "mm",
+    "area": "mm^2",
 }  # fmt: skip
 """Quantities of a result, and their units here; a loss factor and a damping ratio have none."""
 STIFFNESSES = ("storage_stiffness", "loss_stiffness", "dynamic_stiffness")

@@ -12,17 +12,23 @@ from pipeclamp_identification.importing.channels.columns import Stated, channel_
 from pipeclamp_identification.importing.channels.naming import unit_of
 from pipeclamp_identification.importing.channels.questions import NONE
 from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.importing.results.part_size import (
+    SIZE_WORDS,
+    SIZES,
+    ResultColumn,
+    by_part_size,
+    moduli_of,
+    strains_of,
+)
 from pipeclamp_identification.importing.results.quantities import (
     AMPLITUDES,
     LOSSES,
     STIFFNESSES,
     TARGETS,
     amplitude_share,
-    fits,
     is_angular,
     is_called_modulus,
     is_modulus,
-    is_strain,
     quantity_of,
     turned,
 )
@@ -53,22 +59,6 @@ N_MM = 1e3
 
 
 @dataclass(frozen=True)
-class ResultColumn:
-    """A channel of results: which quantity it is, what turns it into ours, and the unit that counted."""
-
-    quantity: str
-    channel: Channel
-    conversion: Conversion
-    unit: str = ""
-    stated: bool = False
-
-    @property
-    def values(self) -> Array:
-        """Its numbers in our unit, shape (rows,)."""
-        return self.conversion.factor * self.channel.values + self.conversion.offset
-
-
-@dataclass(frozen=True)
 class ResultRow:
     """A test: its row in the file, what was set, and its stiffness in phase and a quarter of a cycle before it."""
 
@@ -89,18 +79,22 @@ class ResultRows:
     notes: tuple[str, ...]
 
 
-def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] = ()) -> ResultRows:
+def result_rows(
+    table: RawTable, stated: Sequence[Stated], known: Sequence[str] = (), sizes: Mapping[str, float] | None = None
+) -> ResultRows:
     """Give the tests of a table of results.
 
     Args:
         table: as a file holds it.
         stated: what the user says of its channels.
         known: columns of runs.csv that something else states of each row.
+        sizes: height (size_mm) and area (area_mm2) of the part that are stated of the file.
 
     Raises:
         UserError: what is needed isn't there, or several columns may be it.
     """
     columns = _columns(table, stated)
+    columns |= by_part_size(table, columns, sizes or {}, amplitude_known=COLUMNS["amplitude"] in known)
     bare = {one: channel for one, channel in without_units(table).items() if one not in columns}
     if bare:
         units = {one: _proposed_unit(one, channel) for one, channel in bare.items()}
@@ -128,7 +122,7 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
             left_out.append((row, why))
         else:
             rows.append(ResultRow(row, own, k.real, k.imag))
-    taken = (*kept, *used, *further)
+    taken = (*kept, *used, *further, *(columns[one] for one in SIZES if one in columns))
     headings = {one.channel.heading for one in taken}
     notes = [
         f"{one.channel.heading!r} is {words}"
@@ -160,19 +154,13 @@ def _unknown_setting(
     """Say that nothing states a setting, and how it can be stated: of strains, by the part's size."""
     target, column = TARGETS[quantity], COLUMNS[quantity]
     given = [_option(one) for one in stated]
-    taken = {one.channel.heading for one in columns.values()}
-    strains = [one for one in table.channels if quantity == "amplitude" and one.heading not in taken and is_strain(one)]
-    if strains:
-        # that of the rows that state a stiffness first, a strain before the angle that made it
-        stiff = [np.isfinite(one.values) for one in table.channels if quantity_of(one) in STIFFNESSES]
-        of = np.any(stiff, axis=0) if stiff else np.ones(table.length, dtype=bool)
-        strains.sort(key=lambda one: (np.count_nonzero(np.isnan(one.values[of])), fits("loss_angle", unit_of(one))))
+    if quantity == "amplitude" and (strains := strains_of(table, columns)):
         moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table)
         example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]", *moduli])
         return (
-            f"no column is the amplitude in mm, but {listed([repr(one.heading) for one in strains])}; expected how far "
-            f"the part moves for 1 of its unit (for 1 % of strain, a hundredth of its height), in the place of "
-            f"{FOR_A_STRAIN}:\n  {example}{MODULUS_WORDS if moduli else ''}"
+            f"no column is the amplitude in mm, but {listed([repr(one.heading) for one in strains])}; expected "
+            f"{SIZE_WORDS} how far it moves for 1 of its unit (for 1 % of strain, a hundredth of its height), in "
+            f"the place of {FOR_A_STRAIN}:\n  {example}{MODULUS_WORDS if moduli else ''}"
         )
     return (
         f"no column is the {quantity} in {target}; expected it to be stated:\n"
@@ -242,9 +230,7 @@ def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
 
 def _moduli(table: RawTable) -> list[str]:
     """Give options that state the stiffness for a table's moduli of storage and loss; none where it lacks one."""
-    moduli = {quantity_of(one): one for one in table.channels if is_modulus(one)}
-    both = [quantity for quantity in ("storage_stiffness", "loss_stiffness") if quantity in moduli]
-    return [f"{quantity}={moduli[quantity].heading} [{FOR_A_MODULUS}]" for quantity in both] if len(both) == 2 else []
+    return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table).items()]
 
 
 def _stiffness(
@@ -277,7 +263,7 @@ def _stiffness(
             return _complex(whole * np.cos(angle), whole * np.sin(angle)), [force, lag]
     if moduli := _moduli(table):
         raise UserError(
-            f"its moduli are the material's; expected, in the place of {FOR_A_MODULUS}, {PART_SIZE}:\n"
+            f"its moduli are the material's; expected {SIZE_WORDS}, in the place of {FOR_A_MODULUS}, {PART_SIZE}:\n"
             f"  {columns_option([*map(_option, stated), *moduli])}"
         )
     raise UserError(
