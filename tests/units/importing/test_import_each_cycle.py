@@ -70,3 +70,13 @@ def test_runs_of_few_steady_cycles_name_the_option(tmp_path):
     found = pc.import_files(tmp_path / "p.csv", tmp_path / "c", rate="none")
     with pytest.raises(pc.UserError, match="segment=each-cycle"):
         pc.diagnose(pc.identify(found.tests()), found.tests())
+
+
+def test_a_motion_without_a_cycle_names_no_frequency(tmp_path):
+    """ "0.00 of one at 0.0006289 Hz is steady" had been said of a logger's position that wanders down."""
+    time = np.arange(60) / 20
+    y = 80 - 8 * time + 2.5 * np.sin(9 * time**1.3) + np.cos(31 * time)
+    rows = [f"{a:.3f},{b:.4f},{c:.3f}" for a, b, c in zip(time, y, 5 * y, strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["Time [s],Displacement [mm],Force [N]", *rows]))
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c").to_dict()
+    assert "no part of it follows a sine" in str(found["runs"][0]["done"])

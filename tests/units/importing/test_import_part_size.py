@@ -86,3 +86,13 @@ def test_half_of_it_asks_for_the_rest(tmp_path, state, lacks):
     with pytest.raises(pc.UserError, match=lacks) as told:
         pc.import_files(tmp_path / "a.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
     assert "--conditions TABLE.csv with the columns file,size_mm,area_mm2:" in str(told.value)
+
+
+def test_several_specimens_are_told_with_the_way_to_a_law_of_each(tmp_path):
+    sweep(tmp_path / "A.csv")
+    (tmp_path / "set.csv").write_text("file,size_mm,area_mm2,specimen\nA.csv,2,100,A\nB.csv,2,100,B\n")
+    one = pc.import_files(tmp_path / "A.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
+    assert "specimens" not in str(one.notes)
+    both = pc.import_files(sweep(tmp_path / "B.csv", frequency=3.0), tmp_path / "c", conditions=tmp_path / "set.csv")
+    assert "its tests are of 2 specimens, and one law is fitted to all of them" in str(both.notes)
+    assert "identify" in str(both.notes) and "--per specimen" in str(both.notes)
