@@ -295,6 +295,16 @@ def test_tracking_finds_amplitude_and_frequency(drive, memory, A, f, offset):
     assert clamp.get("inRange")
 
 
+def test_a_followed_sine_at_the_end_of_the_range_is_inside(drive, memory):
+    """A and f go to and fro by the averages' ripple: tests at one frequency made a range that no such motion was in."""
+    clamp = drive(memory, {"track": True, "A": 5e-4, "f": 5.0})
+    for n in range(1, 1500):
+        theta = 2 * math.pi * 5.0 * n * H
+        clamp.step(H, flange__s=5e-4 * math.sin(theta), flange__v=5e-4 * 2 * math.pi * 5.0 * math.cos(theta))
+        assert clamp.get("inRange")
+    assert clamp.messages.warnings == []
+
+
 def test_tracking_is_held_inside_the_range(drive, memory):
     clamp = drive(memory, {"track": True})
     for n in range(1, 1500):

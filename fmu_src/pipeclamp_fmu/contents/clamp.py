@@ -102,7 +102,9 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
         ),
         "useTemperatureInput": Quantity("take T_in in place of the parameter T"),
         "track": Quantity("estimate amplitude and frequency from the motion, starting from A and f"),
-        "inRange": Quantity("A, f, T of the motion and the displacement lie inside the law's range"),
+        "inRange": Quantity(
+            "A, f, T of the motion (followed: but for 1 %) and the displacement lie inside the law's range"
+        ),
     }
 
 

@@ -40,7 +40,7 @@ from pipeclamp_fmu.slaves.stand_in_law import (
     step,
 )
 from pipeclamp_fmu.slaves.values_file import read_values
-from pipeclamp_models.steps.tracker import SLACK, Interval, held, start_tracking, tracked
+from pipeclamp_models.steps.tracker import RIPPLE, SLACK, Interval, held, start_tracking, tracked
 from pipeclamp_models.steps.within_step import walk
 
 MM = 1000.0
@@ -84,10 +84,15 @@ Motion = tuple[Any, float, float, float, float, tuple[float, ...]]
 Conditions = tuple[float, float, float, tuple[float, ...], tuple[float, ...] | None]
 
 
-def within(value: float, interval: Interval) -> bool:
-    """Tell whether the value lies in the range, but for rounding."""
+def within(value: float, interval: Interval, slack: float = SLACK) -> bool:
+    """Tell whether the value lies in the range, but for rounding, or for the ripple of what is followed."""
     low, high = interval
-    return low - SLACK * abs(low) <= value <= high + SLACK * abs(high)
+    return low - slack * abs(low) <= value <= high + slack * abs(high)
+
+
+def slack_of(place: int, conditions: Conditions) -> float:
+    """Give the share by which A (place 0), f (1) or a later condition may pass the end of its range."""
+    return RIPPLE if place < T - A and conditions[4] is not None else SLACK
 
 
 def in_use(conditions: Conditions, ranges: tuple[Interval, ...]) -> tuple[float, ...]:
@@ -290,7 +295,8 @@ class ClampSlave(Fmi2Slave):
         amplitude, reals[F_USED], reals[T_USED], *_ = in_use(conditions, self._ranges)
         reals[A_USED] = amplitude / MM
         self._conditions = conditions
-        self._inside = all(map(within, (*conditions[:3], *conditions[3]), self._ranges))
+        values = zip((*conditions[:3], *conditions[3]), self._ranges, strict=False)
+        self._inside = all(within(*one, slack_of(place, conditions)) for place, one in enumerate(values))
         self._settled = conditions[4] is None and COUNTED < 0  # else the next step is under other conditions
         if conditions[4] is not None:
             self._forget_motion()
@@ -341,7 +347,7 @@ class ClampSlave(Fmi2Slave):
         intervals = (*self._ranges, (0.0, self._ranges[0][1]))
         outside = [
             f"{name} = {value:.6g}{unit} is outside {low:g} to {high:g}{unit}"
-            for name, value, (low, high), unit in zip(names, values, intervals, units, strict=True)
-            if not within(value, (low, high))
+            for place, (name, value, (low, high), unit) in enumerate(zip(names, values, intervals, units, strict=True))
+            if not within(value, (low, high), slack_of(place, self._conditions))
         ]
         self.log(f"law {self._law} is used beyond its range: {'; '.join(outside)}", Fmi2Status.warning)

@@ -48,7 +48,8 @@ def import_command(
         typer.Option(
             metavar="OURS=CHANNEL,...",
             help="Which channel is what, where names and units don't tell: 'time=Zeit [ms],force=-Last [kN]'; a minus "
-            "turns a sign, [unit] states one, segment=... parts runs, current_A=... is a further condition.",
+            "turns a sign, [unit] states one, segment=... parts runs (segment=each-cycle: cycle by cycle), "
+            "current_A=... is a further condition.",
         ),
     ] = "",
     pattern: Annotated[

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     from pipeclamp_models.law.file import LawFile
 
 WIDE = 150
+SILENCE_S = 60.0
+"""After so long without a word, a log is told what is being done."""
 COMMAND = ": pipeclamp "
 """What a line holds that ends with a command."""
 MARKED = "bold red"
@@ -188,9 +191,9 @@ def opened_law(name_or_path: str) -> LawFile:
 
 @contextmanager
 def showing_progress(title: str) -> Iterator[Tell]:
-    """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
+    """Show what is being done, with the time it takes; in a log, a line where a minute has passed without one."""
     if not errors().is_terminal:
-        yield lambda what: None
+        yield each_minute(title)
         return
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -198,6 +201,19 @@ def showing_progress(title: str) -> Iterator[Tell]:
     with Progress(*columns, console=errors(), transient=True) as progress:
         task = progress.add_task(title)
         yield lambda what: progress.update(task, description=printable(f"{title}: {what}"))
+
+
+def each_minute(title: str, clock: Callable[[], float] = time.monotonic) -> Tell:
+    """Give what tells a log what is being done, in a line with the time so far, once in a minute at most."""
+    begun = told = clock()
+
+    def tell(what: str) -> None:
+        nonlocal told
+        if (now := clock()) - told >= SILENCE_S:
+            told = now
+            put(f"{now - begun:.0f} s: {printable(f'{title}: {what}')}", to=errors())
+
+    return tell
 
 
 def show(view: View, json_path: Path | None) -> None:

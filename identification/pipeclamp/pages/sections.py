@@ -14,6 +14,7 @@ from pipeclamp.pages.law import law_sections
 from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_promised
 from pipeclamp.pages.metrics import metric_campaign_sections, metrics_sections
 from pipeclamp.pages.page import Section
+from pipeclamp.pages.sweeps import of_energy_and_law, sweep_sections
 from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, RungBars, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table, vain_words
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
@@ -69,7 +70,8 @@ def _(held: Comparison) -> list[Section]:
 
 @_details.register
 def _(held: MetricComparison) -> list[Section]:
-    return [Section("All runs", (), [metric_worst_table(held)])]
+    drawn = sweep_sections(held.campaign, of_energy_and_law(held))
+    return [*drawn, Section("All runs", (), [metric_worst_table(held)])]
 
 
 @singledispatch

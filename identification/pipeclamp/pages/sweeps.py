@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from pipeclamp.pages.page import LOG_AXIS, SERIES, TICKS, Section, styled, with_
 from pipeclamp.pages.pictures import shade
 from pipeclamp.show.metrics import STORED_AND_LOST, axis_of_quantity, setting, stored_and_lost
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.metrics_only.sweeps import Curve, Sweep, sweeps_of, values_of
 from pipeclamp_models.base.arrays import Array
 
@@ -36,10 +37,14 @@ SCALE = [(share, shade(share)) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
 
 @dataclass(frozen=True, eq=False)
 class Measure:
-    """What a panel shows: its name and unit, and the value of each test, shape (R,); nan where there is none."""
+    """What a panel shows: its name and unit, and the value of each test, shape (R,); nan where there is none.
+
+    `of_law`: what a law has in its place, shape (R,), where one is held against the tests.
+    """
 
     axis: str
     values: Array
+    of_law: Array | None = None
 
 
 def of_phase(campaign: MetricCampaign) -> list[Measure]:
@@ -56,11 +61,25 @@ def of_energy(campaign: MetricCampaign) -> list[Measure]:
     ]
 
 
+def of_energy_and_law(comparison: MetricComparison) -> list[Measure]:
+    """Give stiffness and loss factor, and what the law has in their place."""
+    dissipated, elastic = comparison.logs.T
+    stiffness, loss_factor = of_energy(comparison.campaign)
+    return [
+        replace(stiffness, of_law=stiffness.values * np.exp(-elastic)),
+        replace(loss_factor, of_law=loss_factor.values * np.exp(elastic - dissipated)),
+    ]
+
+
 def sweep_sections(campaign: MetricCampaign, measures: Sequence[Measure]) -> list[Section]:
     """Give a section for each quantity that was varied; none where nothing was."""
+    beside = ["Dots are measured, crosses the law's."] if any(one.of_law is not None for one in measures) else []
     return [
         Section(
-            f"Against {axis_of_quantity(sweep.quantity)}", _words(sweep), (), [sweep_picture(campaign, measures, sweep)]
+            f"Against {axis_of_quantity(sweep.quantity)}",
+            [*beside, *_words(sweep)],
+            (),
+            [sweep_picture(campaign, measures, sweep)],
         )
         for sweep in sweeps_of(campaign)
     ]
@@ -109,6 +128,13 @@ def _panels(campaign: MetricCampaign, measures: Sequence[Measure], sweep: Sweep,
                 text=[campaign.runs[row].name for row in rows_of],
                 hovertemplate="%{text}<br>%{x:.4g}, %{y:.4g}<extra></extra>", **look,
             )  # fmt: skip
+            if measure.of_law is not None:
+                law = go.Scatter(trace).update(
+                    y=measure.of_law[rows_of], showlegend=False, marker={"symbol": "x-thin-open", "size": 7},
+                    hovertemplate="%{text}, law<br>%{x:.4g}, %{y:.4g}<extra></extra>",
+                )  # fmt: skip
+                trace.update(mode="markers")
+                figure.add_trace(law, **place)
             figure.add_trace(trace, **place)
         axis = _decades(sweep.values) if sweep.quantity in IN_DECADES and _is_wide(sweep.values) else {}
         figure.update_xaxes(title_text=axis_of_quantity(sweep.quantity), **axis, **place)

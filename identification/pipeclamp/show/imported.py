@@ -124,9 +124,8 @@ def import_lines(found: ImportedCampaign, answer: ImportAnswer, called: Sequence
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
     if found.thing == "run" and answer.runs and all(run.amplitude_mm is None for run in answer.runs):
         lines.append(
-            "no run is a sine, which alone a law is fitted to; a program whose amplitude grows from cycle to cycle is "
-            "parted by a column that numbers its cycles (--columns segment=...); `pipeclamp compare` holds a law "
-            "against free motions"
+            "no run is a sine, which alone a law is fitted to; of a program whose amplitude grows from cycle to cycle, "
+            "--columns segment=each-cycle makes each cycle a run; `pipeclamp compare` holds a law against free motions"
         )
     if called and _names_are_needed(answer):
         lines.append("the files' names look as if they state settings, the temperature too: the line below takes them")

@@ -30,6 +30,8 @@ MISSING = 0.02
 DISTORTION = 5
 # the highest order of small cycles that ride on a large one, which are part of the drive as its fundamental is
 RIDING_ORDER = 20
+# a share of a cycle that is none
+TRIFLE = 0.05
 # a way back of less than this share of the whole one is no turn of a record that may be one cycle
 TURN_BACK_SHARE = 0.1
 # what such a record may lack until it is where it began, in units of its longest step
@@ -131,6 +133,8 @@ def find_cycles(record: Record) -> Cycles:
         raise UnusableRecord(f"no full cycle: it goes from {y[0]:.4g} to {y[-1]:.4g} mm and never turns back")
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
+        if held < TRIFLE:
+            raise UnusableRecord("no full cycle: no part of it follows a sine")
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
     if fresh:
         bounds = bounds[1:]

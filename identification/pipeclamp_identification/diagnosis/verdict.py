@@ -165,8 +165,8 @@ def diagnose(
     if len(loops.run) < FEWEST_RUNS:
         raise UserError(
             f"{counted(len(loops.run), 'run')} can't show what a law lacks; expected at least {FEWEST_RUNS}: "
-            "`pipeclamp plan` proposes tests, and a column that numbers its cycles parts a program into runs (import: "
-            "--columns segment=...)"
+            "`pipeclamp plan` proposes tests, and `pipeclamp import --columns segment=each-cycle` makes each cycle of "
+            "a program a run"
         )
     workers.tell("law as it is")
     problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)

@@ -9,9 +9,11 @@ from typing import Literal, Protocol
 from pydantic import Field
 
 from pipeclamp_identification.campaign.description import Imported, ImportedFile, LeftOutFile
+from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
+from pipeclamp_models.base.shell import shell_line
 
 Thing = Literal["run", "test"]
 """A test with a record, and one without."""
@@ -125,6 +127,17 @@ def import_answer(
         left_out_files=found.imported.left_out,
         pattern=pattern,
         notes=found.notes(),
+    )
+
+
+def specimen_words(rows: Sequence[RunRow], folder: Path, thing: Thing) -> tuple[str, ...]:
+    """Say of how many specimens the tests are, where they are of several, and how each has a law of its own."""
+    named = {row.setup.specimen for row in rows if row.setup.specimen}
+    if len(named) < 2:
+        return ()
+    alone = shell_line("identify", str(folder), "-o", "laws", "--per", "specimen")
+    return (
+        f"its {thing}s are of {len(named)} specimens, and one law is fitted to all of them; a law of each: {alone}",
     )
 
 

@@ -143,6 +143,7 @@ class Format:
         begins: tells by the first bytes of a file whether it is of this format.
         read: gives the tables of a file; it may raise anything, which is told as damage.
         module: that must be installed, and the package that brings it, where it is an extra.
+        is_also_notes: whether such files as often describe others: of a folder they are read where it holds no others.
     """
 
     name: str
@@ -151,7 +152,7 @@ class Format:
     read: Callable[[Path], Sequence[RawTable]]
     module: str = ""
     package: str = ""
-    notes: Mapping[str, str] = field(default_factory=dict)
+    is_also_notes: bool = False
 
 
 def without_controls(text: str) -> str:

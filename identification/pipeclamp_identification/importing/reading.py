@@ -73,7 +73,7 @@ def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
     found: list[Path] = []
     for path in given:
         if path.is_dir():
-            inside = sorted(one for one in path.iterdir() if _of_known_ending(one))
+            inside = _read_of(path)
             if not inside:
                 first = next((one.name for one in sorted(path.iterdir()) if one.is_file()), "")
                 raise UserError(
@@ -94,14 +94,26 @@ def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
     return tuple(found)
 
 
-def passed_over_in(given: Sequence[Path]) -> list[str]:
-    """Give the names of the files in folders that `files_in` doesn't give; those that a system hides aside."""
-    inside = (one for path in given if path.is_dir() for one in sorted(path.iterdir()))
-    return [one.name for one in inside if one.is_file() and not _of_known_ending(one) and not one.name.startswith(".")]
+def passed_over_in(given: Sequence[Path]) -> tuple[list[str], list[str]]:
+    """Give the names of the files in folders that `files_in` doesn't give; those that a system hides aside.
+
+    Returns:
+        names of files of no known ending; and of those that are left, for they may describe the others.
+    """
+    inside = [(one, _read_of(path)) for path in given if path.is_dir() for one in sorted(path.iterdir())]
+    over = [one for one, read in inside if one.is_file() and one not in read and not one.name.startswith(".")]
+    return [one.name for one in over if not _formats_named(one)], [one.name for one in over if _formats_named(one)]
 
 
-def _of_known_ending(path: Path) -> bool:
-    return path.is_file() and any(path.suffix.lower() in one.suffixes for one in known_formats())
+def _read_of(folder: Path) -> list[Path]:
+    """Give the files of a folder that are read: of known endings, and notes on others where there are no others."""
+    named = [(path, one) for path in sorted(folder.iterdir()) if path.is_file() for one in _formats_named(path)]
+    tests = [path for path, one in named if not one.is_also_notes]
+    return tests or [path for path, _ in named]
+
+
+def _formats_named(path: Path) -> list[Format]:
+    return [one for one in known_formats() if path.suffix.lower() in one.suffixes][:1]
 
 
 def digest_of(path: Path) -> str:

@@ -62,9 +62,11 @@ class ImportRequest:
         return [RESTORED] if restored(self.folder) else []
 
     def passed_over_words(self) -> list[str]:
-        """Say which files of folders aren't read, for no format has their ending."""
-        names = list(map(without_controls, passed_over_in(self.paths)))
-        return [f"not read, for no known format has such an ending: {listed(names)}"] if names else []
+        """Say which files of folders aren't read: no format has their ending, or they may describe the others."""
+        unknown, notes = (listed(list(map(without_controls, names))) for names in passed_over_in(self.paths))
+        words = [f"not read, for no known format has such an ending: {unknown}"] if unknown else []
+        beside = f"not read beside files of other formats, which they may describe: {notes}; where they hold tests, "
+        return [*words, *([f"{beside}name the files themselves"] if notes else [])]
 
     def staged(self) -> AbstractContextManager[Path]:
         """Give a folder to write the campaign into; what is only looked at needs no place beside the campaign."""

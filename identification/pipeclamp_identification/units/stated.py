@@ -64,6 +64,7 @@ BARE: Mapping[str, Quantity] = {
 """Units that stand at the end of a name without brackets, in lower case, and what they are of."""
 OF_OTHERS: Mapping[str, str] = {
     **{unit: unit for unit in ("Hz", "kHz", "1/s", "1/min", "Pa", "kPa", "MPa", "GPa", "rad", "deg", "%")},
+    **{unit: unit for unit in ("J", "kJ", "mJ")},
     **dict.fromkeys(("pct", "percent"), "%"),
 }
 """Units of something else that stand so, and what they mean; A, V or bar may be a symbol or a word of the name."""
@@ -78,6 +79,8 @@ BRACKETED = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$", re.DOTAL
 SLASHED = re.compile(r"^(.*\S)\s*/\s*([^\s/]+)\s*$", re.DOTALL)
 TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DOTALL)
 RATIO = re.compile(r"^[^\s/]+/[^\s/]+$")
+SPELT_RATIO = re.compile(r"^(.*\S)[\s_]+([^\s_,/]+)[\s_]per[\s_]([^\s_,/]+)\s*$", re.DOTALL)
+"""A unit with its stroke spelt, behind a name: "stiffness_kN_per_mm"."""
 WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
 """A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
 NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
@@ -98,8 +101,8 @@ class Conversion:
 def unit_in_name(name: str) -> tuple[str, str]:
     """Part a column's name into what it names and the unit that it states, "" where it states none.
 
-    "Load [kN]", "Axial Force (kN)", "Weg/mm", "Zeit, s", "LVDT in", "force_N" and "speed_mm/s" state one;
-    "Load (cell 1)" doesn't.
+    "Load [kN]", "Axial Force (kN)", "Weg/mm", "Zeit, s", "LVDT in", "force_N", "speed_mm/s" and "k_kN_per_mm" state
+    one; "Load (cell 1)" doesn't.
     """
     text = _normal(name)
     if found := BRACKETED.match(text):
@@ -107,6 +110,8 @@ def unit_in_name(name: str) -> tuple[str, str]:
         # "data(1)" is the first of several
         counted = found[2] is None and inside.isdigit()
         return (found[1].strip(), inside) if inside and not counted and is_unit(inside) else (text, "")
+    if (found := SPELT_RATIO.match(text)) and _stands_bare(f"{found[2]}/{found[3]}"):
+        return found[1].rstrip(" ,"), f"{found[2]}/{found[3]}"
     if (found := TRAILING.match(text)) and _stands_bare(found[2]):
         return found[1].removesuffix(" in").rstrip(" ,"), OF_OTHERS.get(found[2], found[2])
     if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):

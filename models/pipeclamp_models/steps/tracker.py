@@ -14,6 +14,10 @@ AVERAGING = 1.5
 SLACK = 1e-9
 """Share by which a value may pass the end of its range: rounding of units, not more."""
 
+RIPPLE = 0.01
+"""And by which A and f may where they are followed: of a sine they go to and fro by half of it, by the averages' own
+ripple, so that a law from tests at one frequency would hardly ever be in its range."""
+
 Interval = tuple[float, float]
 
 

@@ -110,7 +110,7 @@ def test_an_amplitude_that_is_a_strain_is_asked_for_by_the_parts_size(tmp_path):
         "Angular frequency;Oscillation displacement;Oscillation strain;K';K''\nrad/s;rad;%;N/mm;N/mm\n"
         + "".join(f"{w};1e-3;0.5;{a};{b}\n" for w, a, b in rows)
     )
-    with pytest.raises(UserError, match="how far the part moves for 1 of its unit") as error:
+    with pytest.raises(UserError, match="how far it moves for 1 of its unit") as error:
         pc.import_files([file], tmp_path / "x")
     option = re.search(r'--columns "(.*)"', str(error.value))[1]
     assert option == "amplitude=Oscillation strain [%] [0.02 mm]"

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from pipeclamp.pages.sweeps import of_energy, of_phase, sweep_picture, sweep_sections
+from pipeclamp.pages.sweeps import of_energy, of_energy_and_law, of_phase, sweep_picture, sweep_sections
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
+from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.metrics_only.sweeps import sweeps_of
 
 SCATTER = np.random.default_rng(3)
@@ -56,6 +57,23 @@ def test_many_curves_are_told_by_a_scale_of_colours_and_few_by_names():
     assert not any(trace.showlegend for trace in over_A.data)
     assert list(over_A.layout.coloraxis.colorbar.ticktext)[:3] == ["1", "2", "5"]
     assert ["Curves of one colour differ in T."] in [one.paragraphs for one in sweep_sections(tests, of_energy(tests))]
+
+
+@pytest.mark.parametrize("few", [True, False])
+def test_a_law_is_drawn_beside_what_was_measured(few):
+    temperatures = (20.0,) if few else np.arange(20.0, 160.0, 10.0)
+    tests = campaign([(A, f, T) for A in (0.1, 1.0) for f in (1, 10, 100) for T in temperatures])
+    too_much, too_little = np.log(1.25), np.log(0.5)  # of dW and W, measured over computed
+    logs = np.tile([too_much, too_little], (len(tests.runs), 1))
+    sections = sweep_sections(tests, of_energy_and_law(MetricComparison(tests, logs, {})))
+    assert all("Dots are measured, crosses the law's." in one.paragraphs for one in sections)
+    drawn = sections[0].figures[0].data
+    measured = [one for one in drawn if one.mode == "markers"]
+    law = [one for one in drawn if one.mode == "lines+markers"]
+    assert len(law) == len(measured) == len(drawn) / 2
+    assert not any(one.showlegend for one in law)
+    factors = [np.asarray(b.y) / np.asarray(a.y) for a, b in zip(measured, law, strict=True)]
+    assert {round(float(one), 6) for row in factors for one in row} == {2.0, 0.4}  # k as W, eta as dW/W
 
 
 def test_one_setting_has_no_picture():

@@ -19,15 +19,22 @@ static const double HUGE_NUMBER = 1e30; /* beyond it a value is a mistake; below
 static const double PI = 3.14159265358979323846;
 static const double AVERAGING = 1.5; /* time constant of each of the tracker's averages, in periods */
 static const double SLACK = 1e-9;    /* share by which a value may pass the end of its range: rounding of units */
+static const double RIPPLE = 0.01;   /* and by which A and f may where they are followed: the averages' own ripple */
 
 static const double *parameters(const Model *model)
 {
     return model->real + FIRST_FIXED;
 }
 
-static int within(double value, const double range[2])
+static int within(double value, const double range[2], double slack)
 {
-    return range[0] - SLACK * fabs(range[0]) <= value && value <= range[1] + SLACK * fabs(range[1]);
+    return range[0] - slack * fabs(range[0]) <= value && value <= range[1] + slack * fabs(range[1]);
+}
+
+/* The share by which A (place 0), f (1) or a later condition may pass the end of its range. */
+static double slack_of(int place, const Conditions *conditions)
+{
+    return place < 2 && conditions->tracking ? RIPPLE : SLACK;
 }
 
 static double held(double value, const double range[2])
@@ -154,7 +161,7 @@ static void take(Model *model, const Conditions *conditions, const Values *value
     model->memory.conditions = *conditions;
     model->memory.inside = 1;
     for (i = 0; i < RANGES; i++)
-        model->memory.inside = model->memory.inside && within(conditions->u[i], values->range[i]);
+        model->memory.inside = model->memory.inside && within(conditions->u[i], values->range[i], slack_of(i, conditions));
     model->settled = !conditions->tracking && COUNTED < 0; /* else the next step is under other conditions */
     if (conditions->tracking)
         forget_motion(model);
@@ -329,7 +336,7 @@ static void say_range(const Model *model, const Values *values, char text[TEXT])
         const double *range = i < RANGES ? values->range[i] : end;
         const char *name = i < RANGES ? REAL_NAMES[A + i] : "|flange.s|";
         const char *unit = i < RANGES ? RANGE_UNITS[i] : RANGE_UNITS[0], *space = *unit ? " " : "";
-        if (within(value, range) || length < 0 || length >= TEXT)
+        if (within(value, range, slack_of(i, &memory->conditions)) || length < 0 || length >= TEXT)
             continue;
         length += snprintf(text + length, (size_t)(TEXT - length), "%s%s = %.6g%s%s is outside %g to %g%s%s",
                            text[length - 2] == ':' ? "" : "; ", name, value, space, unit, range[0], range[1], space,

@@ -12,8 +12,9 @@ from pipeclamp_identification.importing.channels.columns import (
     map_columns,
     refuse_open_questions,
 )
-from pipeclamp_identification.importing.channels.naming import rank
+from pipeclamp_identification.importing.channels.naming import EACH_CYCLE, SEGMENT, rank
 from pipeclamp_identification.importing.channels.rates import by_own_times, joined_rates
+from pipeclamp_identification.importing.channels.traces import with_cycles_numbered
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
 from pipeclamp_identification.importing.results.recognised import holds_results, results_words
@@ -60,6 +61,9 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     records = tuple(table for table in source.tables if not any(table is one for one in results))
     if not records:
         raise ResultsFileError(where_of(source, results[0]), results_words(results[0], stated))
+    numbered = any(one.ours == SEGMENT and one.channel.casefold() == EACH_CYCLE for one in stated)
+    if numbered:
+        stated = [one for one in stated if one.ours != SEGMENT]
     tables = _brought_together(records, stated)
     found = [(table, _mapped(source, table, stated, rate, several=len(tables) > 1)) for table in tables]
     complete = any(mapped and not mapped.questions for _, mapped in found)
@@ -72,7 +76,15 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
         table = max(tables, key=lambda one: len(one.channels))
         refuse_open_questions(where_of(source, table), _mapped_or_refused(source, table, stated))
     aside = [table for table in tables if not any(table is one for one, _ in used)]
-    return MappedFile(tuple(used), tuple(table.name for table in (*aside, *results)))
+    taken = [_cycle_by_cycle(*one) for one in used] if numbered else used
+    return MappedFile(tuple(taken), tuple(table.name for table in (*aside, *results)))
+
+
+def _cycle_by_cycle(table: RawTable, mapped: Mapped) -> tuple[RawTable, Mapped]:
+    """Give a table whose each cycle is a run, in the place of what names tell."""
+    numbered, column = with_cycles_numbered(table, mapped.columns)
+    others = [one for one in mapped.columns if one.ours != SEGMENT]
+    return numbered, replace(mapped, columns=(*others, column))
 
 
 def _lacks_something(mapped: Mapped) -> bool:

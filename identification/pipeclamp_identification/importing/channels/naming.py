@@ -20,6 +20,8 @@ from pipeclamp_models.base.errors import UserError
 
 SEGMENT = "segment"
 """A channel that tells one run of a file from the next."""
+EACH_CYCLE = "each-cycle"
+"""States in its place that each cycle of a file is a run; and is the name of the channel that then numbers them."""
 WORDS: Mapping[Quantity, tuple[str, ...]] = {
     "time": (
         "time", "timestamp", "datetime", "zeit", "zeitstempel", "uhrzeit", "temps", "tempo", "tiempo", "elapsed", "t",

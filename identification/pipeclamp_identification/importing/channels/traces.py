@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.channels.columns import Column, columns_option
-from pipeclamp_identification.importing.channels.naming import SEGMENT, counts_cycles
-from pipeclamp_identification.importing.raw import LabelColumn, RawTable
+from pipeclamp_identification.importing.channels.naming import EACH_CYCLE, SEGMENT, counts_cycles
+from pipeclamp_identification.importing.raw import Channel, LabelColumn, RawTable
 from pipeclamp_identification.importing.samples.codes import without_codes
+from pipeclamp_identification.importing.samples.each_cycle import cycle_numbers
 from pipeclamp_identification.importing.samples.repair import mended_channel
 from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_identification.units.stated import Conversion
@@ -105,6 +106,17 @@ def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | Non
     """
     column = next((one for one in columns if one.ours == SEGMENT), None)
     return None if column is None else turned(table, column, timed)
+
+
+def with_cycles_numbered(table: RawTable, columns: Sequence[Column]) -> tuple[RawTable, Column]:
+    """Give a table with a channel that numbers its cycles, and that as the one that tells its runs apart."""
+    column = next(one for one in columns if one.ours == "displacement")
+    motion = mended_channel("displacement_mm", without_codes("displacement_mm", turned(table, column))[0])
+    finite = np.isfinite(motion)
+    numbers = np.full(table.length, np.nan)
+    numbers[finite] = cycle_numbers(motion[finite])
+    channel = Channel(EACH_CYCLE, "", numbers)
+    return replace(table, channels=(*table.channels, channel)), Column(SEGMENT, EACH_CYCLE, "", stated=True)
 
 
 def counted_before(table: RawTable, columns: Sequence[Column], begins: Sequence[int]) -> Array | None:

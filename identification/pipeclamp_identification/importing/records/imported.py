@@ -9,7 +9,13 @@ from pipeclamp_identification.campaign.description import Imported, ImportedFile
 from pipeclamp_identification.campaign.judging import JudgedRuns
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, Thing, import_answer
+from pipeclamp_identification.importing.answer import (
+    ImportAnswer,
+    ImportedRunAnswer,
+    Thing,
+    import_answer,
+    specimen_words,
+)
 from pipeclamp_identification.importing.plan import ImportPlan
 from pipeclamp_identification.importing.records.looked_at import LookedAt
 
@@ -57,7 +63,8 @@ class ImportedRecords:
         """Give what to know of the campaign, of its channels and units first."""
         delay = (self.imported.delay.words,) if self.imported.delay else ()
         smoothing = filter(None, (self.looked.smoothing.words(),))
-        return (*self.plan.notes, *delay, *self.judged.remarks, *smoothing)
+        specimens = specimen_words(self.rows, self.folder, self.thing)
+        return (*self.plan.notes, *delay, *self.judged.remarks, *smoothing, *specimens)
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""

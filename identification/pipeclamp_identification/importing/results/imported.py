@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING
 from pipeclamp_identification.campaign.description import Imported, ImportedFile
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.importing.answer import ImportAnswer, ImportedRunAnswer, Thing, import_answer
+from pipeclamp_identification.importing.answer import (
+    ImportAnswer,
+    ImportedRunAnswer,
+    Thing,
+    import_answer,
+    specimen_words,
+)
 from pipeclamp_models.base.said import counted
 
 if TYPE_CHECKING:
@@ -66,7 +72,8 @@ class ImportedResults:
 
     def notes(self) -> tuple[str, ...]:
         """Give what to know of the campaign, of its columns and units first."""
-        return (*self.of_files, *_weak_words(self.campaign))
+        specimens = specimen_words(self.rows, self.folder, self.thing)
+        return (*self.of_files, *_weak_words(self.campaign), *specimens)
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""

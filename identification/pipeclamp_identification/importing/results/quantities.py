@@ -16,11 +16,12 @@ from pipeclamp_models.base.errors import UserError
 TARGETS: Mapping[str, str] = {
     "frequency": "Hz", "amplitude": "mm", "force_amplitude": "N", "storage_stiffness": "N/mm",
     "loss_stiffness": "N/mm", "dynamic_stiffness": "N/mm", "loss_angle": "rad", "loss_factor": "",
-    "damping_ratio": "", "temperature": "degC",
+    "damping_ratio": "", "dissipated_energy": "J", "temperature": "degC", "size": "mm",
+    "area": "mm^2",
 }  # fmt: skip
 """Quantities of a result, and their units here; a loss factor and a damping ratio have none."""
 STIFFNESSES = ("storage_stiffness", "loss_stiffness", "dynamic_stiffness")
-LOSSES = ("loss_angle", "loss_factor", "damping_ratio")
+LOSSES = ("loss_angle", "loss_factor", "damping_ratio", "dissipated_energy")
 SHARES_OF_ONE = ("loss_factor", "damping_ratio")
 RADIAN = 1 / (2 * math.pi)
 TURNS = {"rad": RADIAN, "rpm": 1 / 60, "1/min": 1 / 60, "min-1": 1 / 60}
@@ -38,6 +39,20 @@ DAMPING_RATIOS = frozenset(("heq", "zetaeq", "xieq", "daempfungsgrad", "daempfun
 DAMPING = frozenset(("damping", "amortissement", "smorzamento", "amortiguamiento"))
 RATIO = frozenset(("ratio", "equivalent", "effective", "taux", "rapporto", "relacion", "critical"))
 """Words that beside one of damping say that it is a share of the critical one."""
+DISSIPATED = frozenset(
+    (
+        "dissipated",
+        "dissipation",
+        "dissipierte",
+        "dissipee",
+        "dissipata",
+        "disipada",
+        "dw",
+        "verlustarbeit",
+        "hysteresis",
+    )
+)
+"""Words of the energy that a cycle loses, beside a unit of energy."""
 PRIMED = re.compile(r"[egk]_?(p|prime)(p|prime)?|[egk]_?(double|dbl|d)_?(prime)")
 """A modulus or stiffness whose strokes are spelt: Gp, Gpp, E_prime, G_double_prime."""
 STORED = frozenset(("storage", "stor", "speicher", "speichersteifigkeit", "speichermodul", "elastic", "conservation"))
@@ -91,6 +106,8 @@ def quantity_of(channel: Channel) -> str:
         return "damping_ratio"
     if fits("loss_angle", unit) and (LOSS_ANGLES & words or {"loss", "angle"} <= words):
         return "loss_angle"
+    if fits("dissipated_energy", unit):
+        return "dissipated_energy" if words & (DISSIPATED | {"loss"}) else ""
     if fits("storage_stiffness", unit) or is_modulus(channel):
         return _stiffness_of(name, words)
     if rank("temperature", channel) > 2 or (words == {"ts"} and fits("temperature", unit)):

@@ -42,8 +42,8 @@ def holds_results(table: RawTable, stated: Sequence[Stated] = ()) -> bool:
 def frequency_of_results(table: RawTable, stated: Sequence[Stated] = ()) -> Channel | None:
     """Give the frequency of a table whose rows are tests of their own, None of any other table.
 
-    They are told by what the user states, by the cycles that pass between two rows or, without a time, by columns of
-    stiffness and loss, of which also names alone tell.
+    They are told by what the user states, by the cycles that pass between two rows or, where no motion stands beside a
+    time, by columns of stiffness and loss; without a time, names alone of these tell.
 
     Args:
         table: as a file holds it.
@@ -59,7 +59,8 @@ def frequency_of_results(table: RawTable, stated: Sequence[Stated] = ()) -> Chan
         return None if said.keys() & {"time", "displacement", "force"} else without_units(table).get("frequency")
     times = [channel for channel in table.channels if rank("time", channel) > 2]
     if times:
-        return frequency if min(_cycles_a_row(frequency, time) for time in times) > CYCLES_A_ROW else None
+        apart = min(_cycles_a_row(frequency, time) for time in times) > CYCLES_A_ROW
+        return frequency if apart or (_are_known(found) and not _holds_a_loop(table)) else None
     if {"displacement", "force"} <= said.keys():
         return None
     return frequency if any(quantity in found for quantity in (*STIFFNESSES, *LOSSES)) else None
@@ -69,6 +70,14 @@ def _are_known(quantities: Collection[str]) -> bool:
     """Tell whether quantities of a result say how stiff a test was and what it lost."""
     have = set(quantities)
     return {"storage_stiffness", "loss_stiffness"} <= have or bool(have & set(LOSSES) and have & set(STIFFNESSES))
+
+
+def _holds_a_loop(table: RawTable) -> bool:
+    """Tell whether names and units of a table tell a displacement and a force that move."""
+    return all(
+        any(rank(moved, one) > 2 and len(np.unique(one.values[np.isfinite(one.values)])) > 1 for one in table.channels)
+        for moved in ("displacement", "force")
+    )
 
 
 def _cycles_a_row(frequency: Channel, time: Channel) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,17 +12,23 @@ from pipeclamp_identification.importing.channels.columns import Stated, channel_
 from pipeclamp_identification.importing.channels.naming import unit_of
 from pipeclamp_identification.importing.channels.questions import NONE
 from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.importing.results.part_size import (
+    SIZE_WORDS,
+    SIZES,
+    ResultColumn,
+    by_part_size,
+    moduli_of,
+    strains_of,
+)
 from pipeclamp_identification.importing.results.quantities import (
     AMPLITUDES,
     LOSSES,
     STIFFNESSES,
     TARGETS,
     amplitude_share,
-    fits,
     is_angular,
     is_called_modulus,
     is_modulus,
-    is_strain,
     quantity_of,
     turned,
 )
@@ -38,27 +45,17 @@ STORAGE, LOSS = "storage_stiffness_N_mm", "loss_stiffness_N_mm"
 SHARES = {0.5: "taken for a stroke from peak to peak, by its name", 2**0.5: "taken for an effective value, by its name"}
 FOR_A_MODULUS = "12.5 N/mm"
 """What an option shows in the place of a part's stiffness for a unit of its modulus."""
-MODULUS_WORDS = f"\n  {FOR_A_MODULUS}: put there how stiff the part is for 1 of its modulus, its area over its height"
+PART_SIZE = "how stiff the part is for 1 of their unit: for 1 MPa its area over its height, in mm; for 1 Pa a millionth"
+MODULUS_WORDS = f"\n  {FOR_A_MODULUS}: put there {PART_SIZE}"
 FOR_A_STRAIN = "0.02 mm"
 """Likewise in the place of the part's deflection for a unit of its strain, or of an angle."""
 MOST_OF_AN_ELLIPSE = 0.5
 """Damping ratio of an ellipse that has no storage stiffness."""
-
-
-@dataclass(frozen=True)
-class ResultColumn:
-    """A channel of results: which quantity it is, what turns it into ours, and the unit that counted."""
-
-    quantity: str
-    channel: Channel
-    conversion: Conversion
-    unit: str = ""
-    stated: bool = False
-
-    @property
-    def values(self) -> Array:
-        """Its numbers in our unit, shape (rows,)."""
-        return self.conversion.factor * self.channel.values + self.conversion.offset
+LOOP_ENERGIES = "(state such loops in runs.csv, by dissipated_energy_J and max_elastic_energy_J)"
+BEYOND = -math.inf
+"""Storage stiffness of what no ellipse loses."""
+N_MM = 1e3
+"""Of a joule."""
 
 
 @dataclass(frozen=True)
@@ -82,18 +79,22 @@ class ResultRows:
     notes: tuple[str, ...]
 
 
-def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] = ()) -> ResultRows:
+def result_rows(
+    table: RawTable, stated: Sequence[Stated], known: Sequence[str] = (), sizes: Mapping[str, float] | None = None
+) -> ResultRows:
     """Give the tests of a table of results.
 
     Args:
         table: as a file holds it.
         stated: what the user says of its channels.
         known: columns of runs.csv that something else states of each row.
+        sizes: height (size_mm) and area (area_mm2) of the part that are stated of the file.
 
     Raises:
         UserError: what is needed isn't there, or several columns may be it.
     """
     columns = _columns(table, stated)
+    columns |= by_part_size(table, columns, sizes or {}, amplitude_known=COLUMNS["amplitude"] in known)
     bare = {one: channel for one, channel in without_units(table).items() if one not in columns}
     if bare:
         units = {one: _proposed_unit(one, channel) for one, channel in bare.items()}
@@ -106,7 +107,7 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
             raise UserError(_unknown_setting(quantity, table, stated, columns))
-    stiffness, used = _stiffness(table, columns)
+    stiffness, used = _stiffness(table, stated, columns)
     further = [one for one in columns.values() if one.quantity not in TARGETS]
     kept = [columns[quantity] for quantity in COLUMNS if quantity in columns]
     settings = {COLUMNS.get(one.quantity, one.quantity): one.values for one in (*kept, *further)}
@@ -121,7 +122,7 @@ def result_rows(table: RawTable, stated: Sequence[Stated], known: Sequence[str] 
             left_out.append((row, why))
         else:
             rows.append(ResultRow(row, own, k.real, k.imag))
-    taken = (*kept, *used, *further)
+    taken = (*kept, *used, *further, *(columns[one] for one in SIZES if one in columns))
     headings = {one.channel.heading for one in taken}
     notes = [
         f"{one.channel.heading!r} is {words}"
@@ -153,15 +154,13 @@ def _unknown_setting(
     """Say that nothing states a setting, and how it can be stated: of strains, by the part's size."""
     target, column = TARGETS[quantity], COLUMNS[quantity]
     given = [_option(one) for one in stated]
-    taken = {one.channel.heading for one in columns.values()}
-    strains = [one for one in table.channels if quantity == "amplitude" and one.heading not in taken and is_strain(one)]
-    if strains:
-        strains.sort(key=lambda one: fits("loss_angle", unit_of(one)))  # a strain before the angle that made it
-        example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]"])
+    if quantity == "amplitude" and (strains := strains_of(table, columns)):
+        moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table)
+        example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]", *moduli])
         return (
-            f"no column is the amplitude in mm, but {listed([repr(one.heading) for one in strains])}; expected how far "
-            f"the part moves for 1 of its unit (for 1 % of strain, a hundredth of its height), in the place of "
-            f"{FOR_A_STRAIN}:\n  {example}"
+            f"no column is the amplitude in mm, but {listed([repr(one.heading) for one in strains])}; expected "
+            f"{SIZE_WORDS} how far it moves for 1 of its unit (for 1 % of strain, a hundredth of its height), in "
+            f"the place of {FOR_A_STRAIN}:\n  {example}{MODULUS_WORDS if moduli else ''}"
         )
     return (
         f"no column is the {quantity} in {target}; expected it to be stated:\n"
@@ -229,7 +228,14 @@ def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
     return ResultColumn(stated.ours, channel, conversion, counts, stated=True)
 
 
-def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[ComplexArray, list[ResultColumn]]:
+def _moduli(table: RawTable) -> list[str]:
+    """Give options that state the stiffness for a table's moduli of storage and loss; none where it lacks one."""
+    return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table).items()]
+
+
+def _stiffness(
+    table: RawTable, stated: Sequence[Stated], columns: Mapping[str, ResultColumn]
+) -> tuple[ComplexArray, list[ResultColumn]]:
     """Give k' + i k'' of each row in N/mm, and the columns that it comes from.
 
     Raises:
@@ -239,7 +245,10 @@ def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[Co
         both = columns["storage_stiffness"], columns["loss_stiffness"]
         return _complex(both[0].values, both[1].values), list(both)
     lag = next((columns[one] for one in LOSSES if one in columns), None)
-    if lag is not None:
+    if lag is not None and lag.quantity == "dissipated_energy":
+        if found := _by_energy(columns, lag):
+            return found
+    elif lag is not None:
         angle = _angle(lag, of_whole="dynamic_stiffness" in columns or "storage_stiffness" not in columns)
         if "dynamic_stiffness" in columns:
             dynamic = columns["dynamic_stiffness"].values
@@ -252,22 +261,41 @@ def _stiffness(table: RawTable, columns: Mapping[str, ResultColumn]) -> tuple[Co
             with np.errstate(divide="ignore", invalid="ignore"):
                 whole = force.values / way.values
             return _complex(whole * np.cos(angle), whole * np.sin(angle)), [force, lag]
-    moduli = {quantity_of(one): one for one in table.channels if is_modulus(one) and quantity_of(one) in STIFFNESSES}
-    if {"storage_stiffness", "loss_stiffness"} <= set(moduli):
-        stated = [
-            f"{quantity}={moduli[quantity].heading} [{FOR_A_MODULUS}]"
-            for quantity in ("storage_stiffness", "loss_stiffness")
-        ]
+    if moduli := _moduli(table):
         raise UserError(
-            "its moduli are the material's; expected how stiff the part is for 1 of their unit (for 1 MPa in N/mm: its "
-            f"area over its height, in mm), in the place of {FOR_A_MODULUS}:\n  {columns_option(stated)}"
+            f"its moduli are the material's; expected {SIZE_WORDS}, in the place of {FOR_A_MODULUS}, {PART_SIZE}:\n"
+            f"  {columns_option([*map(_option, stated), *moduli])}"
         )
     raise UserError(
         "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or, with loss "
-        "angle, loss factor or damping ratio, dynamic stiffness or the amplitudes of force and displacement, for "
-        "example:\n"
+        "angle, loss factor, damping ratio or, beside a column of the amplitude, dissipated energy, dynamic stiffness "
+        "or the amplitudes of force and displacement, for example:\n"
         f'  --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle=CHANNEL [deg]"\n  there are {_there(table)}'
     )
+
+
+def _by_energy(
+    columns: Mapping[str, ResultColumn], energy: ResultColumn
+) -> tuple[ComplexArray, list[ResultColumn]] | None:
+    """Give k' + i k'' by the energy that a cycle loses, dW = pi k'' A^2, and the columns; None where these don't do.
+
+    k' is `BEYOND` where no ellipse of the amplitudes' stiffness loses so much.
+    """
+    if "amplitude" not in columns:
+        return None
+    amplitude = columns["amplitude"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        loss = N_MM * energy.values / (np.pi * amplitude.values**2)
+        if "storage_stiffness" in columns:
+            return _complex(columns["storage_stiffness"].values, loss), [columns["storage_stiffness"], energy]
+        if "dynamic_stiffness" in columns:
+            stiff, whole = columns["dynamic_stiffness"], columns["dynamic_stiffness"].values
+        elif "force_amplitude" in columns:
+            stiff, whole = columns["force_amplitude"], columns["force_amplitude"].values / amplitude.values
+        else:
+            return None
+        real = np.where(loss >= whole, BEYOND, np.sqrt(whole**2 - loss**2))
+        return _complex(real, loss), [stiff, energy]
 
 
 def _angle(lag: ResultColumn, *, of_whole: bool) -> Array:
@@ -299,10 +327,9 @@ def _complex(real: Array, imaginary: Array) -> ComplexArray:
 def _unusable(settings: Mapping[str, float], k: complex, damping_ratio: float) -> str:
     """Say why a test can't be used, "" where it can."""
     if np.isnan(k.real) and damping_ratio >= MOST_OF_AN_ELLIPSE:
-        return (
-            f"no ellipse has a damping ratio of {MOST_OF_AN_ELLIPSE:g} or more (state such loops in runs.csv, by "
-            "dissipated_energy_J and max_elastic_energy_J)"
-        )
+        return f"no ellipse has a damping ratio of {MOST_OF_AN_ELLIPSE:g} or more {LOOP_ENERGIES}"
+    if k.real == BEYOND:
+        return f"no ellipse of its stiffness and amplitude loses so much energy {LOOP_ENERGIES}"
     if not all(np.isfinite([*settings.values(), k.real, k.imag])):
         return "a number is blank"
     for name in ("amplitude_mm", "frequency_Hz"):

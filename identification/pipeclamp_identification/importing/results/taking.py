@@ -12,6 +12,7 @@ from pipeclamp_identification.importing.channels.naming import condition_name, i
 from pipeclamp_identification.importing.conditions import Settings, name_in, of_properties, settings_of
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, stem_of
+from pipeclamp_identification.importing.results.part_size import SIZES
 from pipeclamp_identification.importing.results.recognised import holds_results
 from pipeclamp_identification.importing.results.rows import (
     LOSS,
@@ -72,13 +73,14 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
         )  # fmt: skip
     stem = stem_of(source.path)
     stated = _stated_settings(source, stem, options)
+    sizes = {column: size for column in SIZES.values() if isinstance(size := stated.pop(column, None), float)}
     columns: dict[str, ImportedColumn] = {}
     rows: list[tuple[Row, ImportedRun]] = []
     cut: list[ImportedCut] = []
     aside = [repr(table.name) for table in source.tables if not any(table is one for one in tables)]
     notes = [f"left aside, for they hold no results: {listed(aside)}"] if aside else []
     for table in tables:
-        found = _found_in(source, table, options, stated)
+        found = _found_in(source, table, options, stated, sizes)
         columns |= _columns_of(found)
         notes += _notes_on(found, table, temperature_known="temperature_C" in stated or "temperature" in columns)
         own = f"{stem}_{table.name}" if len(tables) > 1 and table.name else stem
@@ -92,14 +94,16 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
     return TakenResults(file, stem, tuple(rows), tuple(cut), tuple(notes))
 
 
-def _found_in(source: SourceFile, table: RawTable, options: Options, stated: Settings) -> ResultRows:
+def _found_in(
+    source: SourceFile, table: RawTable, options: Options, stated: Settings, sizes: Mapping[str, float]
+) -> ResultRows:
     """Give the results of a table, beside what is stated of them.
 
     Raises:
         UserError: what a column is, is open; it names the table.
     """
     try:
-        return result_rows(table, options.columns, (*_own_settings(table), *stated))
+        return result_rows(table, options.columns, (*_own_settings(table), *stated), sizes)
     except UsageError:
         raise
     except UserError as error:

@@ -39,7 +39,7 @@ def laid_out(record: Record) -> Repaired:
     close they lie along it says nothing, and would be taken for a motion. A single cycle that lacks its last step goes
     on to where it began. One that hardly turns stays as it is.
     """
-    turns = _turns_of(record.displacement_mm)
+    turns = turns_of_curve(record.displacement_mm)
     if len(turns) < FEWEST_TURNS:
         return Repaired(record)
     if len(turns) == FEWEST_TURNS and lacks_a_step(record.displacement_mm):
@@ -73,7 +73,7 @@ def laid_out(record: Record) -> Repaired:
 
 def cycles_of(y: Array) -> float:
     """Give through how many cycles a curve goes, counted as they are laid out; displacement (n,) in mm, finite."""
-    ranges = np.abs(np.diff(y[_turns_of(y)])) if len(y) > 1 else np.empty(0)
+    ranges = np.abs(np.diff(y[turns_of_curve(y)])) if len(y) > 1 else np.empty(0)
     if not np.any(ranges):
         return 0.0
     return sum(high - low for _, low, high in _spans(ranges)) / (2 * math.pi)
@@ -124,7 +124,7 @@ def _spans(ranges: Array) -> list[tuple[float, float, float]]:
     return spans
 
 
-def _turns_of(y: Array) -> IntArray:
+def turns_of_curve(y: Array) -> IntArray:
     """Give the turns of a motion; of a few samples, whose steps look like noise, those of large ways."""
     turns = turns_of(y)
     return turns if len(turns) >= FEWEST_TURNS else turning_points(y, np.full(len(y), TURN * float(np.ptp(y))))
