@@ -90,14 +90,8 @@ class Campaign:
         if not self.runs:
             raise UserError(
                 f"{self.name}: {'all its runs have' if many else 'its only run has'} free motion ({names}); expected "
-<<<<<<< HEAD
-                "sines: `pipeclamp compare` holds a law against free motion; a program of single cycles is parted by "
-                "a column that numbers them (import: --columns segment=...)"
-=======
-                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these; a "
-                "program of one cycle a step is parted by `pipeclamp import --columns segment=each-cycle`, which makes "
-                "each cycle a run"
->>>>>>> help-newuser7
+                "sines: `pipeclamp compare` holds a law against free motion; `pipeclamp import --columns "
+                "segment=each-cycle` makes each cycle of a program a run"
             )
         remark = (
             f"{counted(len(self.free), 'run')} of free motion {'are' if many else 'is'} left out ({names}): "

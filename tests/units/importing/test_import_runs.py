@@ -540,11 +540,7 @@ def test_a_stated_column_parts_a_program_of_one_cycle_a_step(tmp_path):
     (tmp_path / "steps.csv").write_text("\n".join(["Displacement [mm],Force [N],Cycle,Row", *rows]))
     whole = pc.import_files(tmp_path / "steps.csv", tmp_path / "whole", rate=10)
     assert not whole.found.judged.sines
-<<<<<<< HEAD
-    with pytest.raises(UserError, match="parted by a column that numbers them"):
-=======
-    with pytest.raises(UserError, match="segment=each-cycle`, which makes each cycle a run"):
->>>>>>> help-newuser7
+    with pytest.raises(UserError, match="segment=each-cycle` makes each cycle of a program a run"):
         pc.identify(pc.read_campaign(tmp_path / "whole"))
     found = pc.import_files(tmp_path / "steps.csv", tmp_path / "c", columns="segment=Cycle", rate="none")
     runs = found.found.judged.sines
