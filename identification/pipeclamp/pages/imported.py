@@ -90,7 +90,7 @@ def _drawn(found: ImportedCampaign, answer: ImportAnswer) -> list[Section]:
 @_drawn.register
 def _(found: ImportedRecords, answer: ImportAnswer) -> list[Section]:
     every = Section("All runs", (), [imported_table(found, answer)])
-    return [*_overviews(found.plan.overviews), *_loops(found), every]
+    return [*_overviews(found.plan.overviews, timed=not found.plan.untimed), *_loops(found), every]
 
 
 @_drawn.register
@@ -157,7 +157,7 @@ def _panel(loop: ShownLoop) -> LoopPanel:
     return LoopPanel(f"{name} ({counted(loop.cycles, 'cycle')})", loop.displacement, loop.force, None)
 
 
-def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:
+def _overviews(overviews: tuple[Overview, ...], *, timed: bool) -> list[Section]:
     cut = [one for one in overviews if one.cut or len(one.runs) > 1][:MOST_OVERVIEWS]
     if not cut:
         return []
@@ -165,7 +165,7 @@ def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:
         "Files of which parts are in no run, or that hold several: blue is a run, of several with the end of its name; "
         "orange is cut."
     ]
-    return [Section("Where the runs lie", words, (), [overview_picture(one) for one in cut])]
+    return [Section("Where the runs lie", words, (), [overview_picture(one, timed=timed) for one in cut])]
 
 
 def _joined(spans: list[tuple[float, float]], near: float) -> list[tuple[float, float]]:
@@ -179,8 +179,8 @@ def _joined(spans: list[tuple[float, float]], near: float) -> list[tuple[float, 
     return found
 
 
-def overview_picture(overview: Overview) -> go.Figure:
-    """Draw a table's displacement over time, its runs and what was cut marked."""
+def overview_picture(overview: Overview, *, timed: bool = True) -> go.Figure:
+    """Draw a table's displacement over time, or in its order where none was measured; runs and what was cut marked."""
     time = np.repeat(overview.time, 2)
     figure = go.Figure(
         go.Scatter(
@@ -203,5 +203,6 @@ def overview_picture(overview: Overview) -> go.Figure:
             x=(first + last) / 2, y=1.0, yref="paper", yanchor="bottom", text=name.rpartition("_")[2],
             showarrow=False, font={"size": 10, "color": KEPT},
         )  # fmt: skip
-    figure.update_xaxes(title_text="t / s", gridcolor=GRID).update_yaxes(title_text="y / mm")
+    along = "t / s" if timed else "in the order measured"
+    figure.update_xaxes(title_text=along, showticklabels=timed, gridcolor=GRID).update_yaxes(title_text="y / mm")
     return styled(figure, overview.title, height=260).update_layout(showlegend=False)

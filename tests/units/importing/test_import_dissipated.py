@@ -70,6 +70,34 @@ def test_dissipated_energy_gives_the_loss_stiffness(tmp_path, beside):
     np.testing.assert_allclose(read_back(tmp_path / "c"), [STORAGE, LOSS], rtol=1e-5)
 
 
+def by_name(tmp_path):
+    return {"pattern": "s_{amplitude_mm}"}
+
+
+def by_conditions(tmp_path):
+    written(tmp_path / "cond.csv", "amplitude_mm,file", [[2.0], ["s_2.csv"]], "{}")
+    return {"conditions": tmp_path / "cond.csv"}
+
+
+@pytest.mark.parametrize("known", [by_name, by_conditions])
+@pytest.mark.parametrize("beside", ["energy", "force", "both"])
+def test_the_amplitude_that_is_stated_of_a_file_turns_its_energies_and_forces(tmp_path, known, beside):
+    """A sheet a level is how sweeps of the frequency are kept; a column of the amplitude had been asked for."""
+    storage, loss = STORAGE, LOSS
+    whole = np.hypot(storage, loss)
+    columns = {
+        "energy": ("stiffness [N/mm],Dissipated energy [J]", [whole, np.pi * loss * 4.0 / 1e3]),
+        "force": ("Force amplitude [N],Loss factor", [whole * 2.0, loss / storage]),
+        # what is stated of a file goes before its columns, also where energies are turned by it
+        "both": ("amplitude [mm],stiffness [N/mm],dW [J]", [np.full(5, 1.9), whole, np.pi * loss * 4.0 / 1e3]),
+    }[beside]
+    (tmp_path / "sheets").mkdir()
+    frequencies = np.arange(1.0, 6.0)
+    written(tmp_path / "sheets" / "s_2.csv", f"Frequency [Hz],{columns[0]}", [frequencies, *columns[1]], "{:.9g}")
+    pc.import_files(tmp_path / "sheets", tmp_path / "c", **known(tmp_path))
+    np.testing.assert_allclose(read_back(tmp_path / "c"), [storage, loss], rtol=1e-5)
+
+
 def test_what_no_ellipse_loses_is_left_out_with_the_reason(tmp_path):
     energy = np.pi * LOSS * AMPLITUDE**2 / 1e3
     energy[2] *= 20

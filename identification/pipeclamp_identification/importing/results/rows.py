@@ -11,6 +11,7 @@ import numpy as np
 from pipeclamp_identification.importing.channels.columns import Stated, channel_named, columns_option, listed
 from pipeclamp_identification.importing.channels.naming import unit_of
 from pipeclamp_identification.importing.channels.questions import NONE
+from pipeclamp_identification.importing.conditions import Settings
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.part_size import (
     SIZE_WORDS,
@@ -80,21 +81,23 @@ class ResultRows:
 
 
 def result_rows(
-    table: RawTable, stated: Sequence[Stated], known: Sequence[str] = (), sizes: Mapping[str, float] | None = None
+    table: RawTable, stated: Sequence[Stated], own: Settings, of_file: Settings, sizes: Mapping[str, float]
 ) -> ResultRows:
     """Give the tests of a table of results.
 
     Args:
         table: as a file holds it.
         stated: what the user says of its channels.
-        known: columns of runs.csv that something else states of each row.
+        own: what the file states of all rows beside its columns, which go before it.
+        of_file: what its name or a table of conditions states of them, which goes before its columns.
         sizes: height (size_mm) and area (area_mm2) of the part that are stated of the file.
 
     Raises:
         UserError: what is needed isn't there, or several columns may be it.
     """
     columns = _columns(table, stated)
-    columns |= by_part_size(table, columns, sizes or {}, amplitude_known=COLUMNS["amplitude"] in known)
+    known = own.keys() | of_file.keys()
+    columns |= by_part_size(table, columns, sizes, amplitude_known=COLUMNS["amplitude"] in known)
     bare = {one: channel for one, channel in without_units(table).items() if one not in columns}
     if bare:
         units = {one: _proposed_unit(one, channel) for one, channel in bare.items()}
@@ -107,7 +110,7 @@ def result_rows(
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
             raise UserError(_unknown_setting(quantity, table, stated, columns))
-    stiffness, used = _stiffness(table, stated, columns)
+    stiffness, used = _stiffness(table, stated, columns, _amplitude(table, columns, own, of_file))
     further = [one for one in columns.values() if one.quantity not in TARGETS]
     kept = [columns[quantity] for quantity in COLUMNS if quantity in columns]
     settings = {COLUMNS.get(one.quantity, one.quantity): one.values for one in (*kept, *further)}
@@ -116,12 +119,12 @@ def result_rows(
     left_out: list[tuple[int, str]] = []
     for place in range(table.length):
         row = table.first_row + place
-        own = {name: float(values[place]) for name, values in settings.items()}
+        set_there = {name: float(values[place]) for name, values in settings.items()}
         k = complex(stiffness[place])
-        if why := _unusable(own, k, float(ratio[place])):
+        if why := _unusable(set_there, k, float(ratio[place])):
             left_out.append((row, why))
         else:
-            rows.append(ResultRow(row, own, k.real, k.imag))
+            rows.append(ResultRow(row, set_there, k.real, k.imag))
     taken = (*kept, *used, *further, *(columns[one] for one in SIZES if one in columns))
     headings = {one.channel.heading for one in taken}
     notes = [
@@ -233,10 +236,19 @@ def _moduli(table: RawTable) -> list[str]:
     return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table).items()]
 
 
+def _amplitude(table: RawTable, columns: Mapping[str, ResultColumn], own: Settings, of_file: Settings) -> Array:
+    """Give the amplitude of each row, mm, as runs.csv will hold it; nan where none is known."""
+    name = COLUMNS["amplitude"]
+    if name not in of_file and "amplitude" in columns:
+        return columns["amplitude"].values
+    stated = of_file.get(name, own.get(name))
+    return np.full(table.length, stated if isinstance(stated, float) else np.nan)
+
+
 def _stiffness(
-    table: RawTable, stated: Sequence[Stated], columns: Mapping[str, ResultColumn]
+    table: RawTable, stated: Sequence[Stated], columns: Mapping[str, ResultColumn], amplitude: Array
 ) -> tuple[ComplexArray, list[ResultColumn]]:
-    """Give k' + i k'' of each row in N/mm, and the columns that it comes from.
+    """Give k' + i k'' of each row in N/mm, by its amplitude in mm where need is, and the columns that it comes from.
 
     Raises:
         UserError: nothing states both.
@@ -246,7 +258,7 @@ def _stiffness(
         return _complex(both[0].values, both[1].values), list(both)
     lag = next((columns[one] for one in LOSSES if one in columns), None)
     if lag is not None and lag.quantity == "dissipated_energy":
-        if found := _by_energy(columns, lag):
+        if found := _by_energy(columns, lag, amplitude):
             return found
     elif lag is not None:
         angle = _angle(lag, of_whole="dynamic_stiffness" in columns or "storage_stiffness" not in columns)
@@ -256,10 +268,10 @@ def _stiffness(
         if "storage_stiffness" in columns:
             storage = columns["storage_stiffness"]
             return _complex(storage.values, storage.values * np.tan(angle)), [storage, lag]
-        if {"force_amplitude", "amplitude"} <= set(columns):
-            force, way = columns["force_amplitude"], columns["amplitude"]
+        if "force_amplitude" in columns:
+            force = columns["force_amplitude"]
             with np.errstate(divide="ignore", invalid="ignore"):
-                whole = force.values / way.values
+                whole = force.values / amplitude
             return _complex(whole * np.cos(angle), whole * np.sin(angle)), [force, lag]
     if moduli := _moduli(table):
         raise UserError(
@@ -268,30 +280,27 @@ def _stiffness(
         )
     raise UserError(
         "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or, with loss "
-        "angle, loss factor, damping ratio or, beside a column of the amplitude, dissipated energy, dynamic stiffness "
-        "or the amplitudes of force and displacement, for example:\n"
+        "angle, loss factor, damping ratio or dissipated energy, dynamic stiffness or the amplitudes of force and "
+        "displacement, for example:\n"
         f'  --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle=CHANNEL [deg]"\n  there are {_there(table)}'
     )
 
 
 def _by_energy(
-    columns: Mapping[str, ResultColumn], energy: ResultColumn
+    columns: Mapping[str, ResultColumn], energy: ResultColumn, amplitude: Array
 ) -> tuple[ComplexArray, list[ResultColumn]] | None:
     """Give k' + i k'' by the energy that a cycle loses, dW = pi k'' A^2, and the columns; None where these don't do.
 
     k' is `BEYOND` where no ellipse of the amplitudes' stiffness loses so much.
     """
-    if "amplitude" not in columns:
-        return None
-    amplitude = columns["amplitude"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        loss = N_MM * energy.values / (np.pi * amplitude.values**2)
+        loss = N_MM * energy.values / (np.pi * amplitude**2)
         if "storage_stiffness" in columns:
             return _complex(columns["storage_stiffness"].values, loss), [columns["storage_stiffness"], energy]
         if "dynamic_stiffness" in columns:
             stiff, whole = columns["dynamic_stiffness"], columns["dynamic_stiffness"].values
         elif "force_amplitude" in columns:
-            stiff, whole = columns["force_amplitude"], columns["force_amplitude"].values / amplitude.values
+            stiff, whole = columns["force_amplitude"], columns["force_amplitude"].values / amplitude
         else:
             return None
         real = np.where(loss >= whole, BEYOND, np.sqrt(whole**2 - loss**2))

@@ -103,7 +103,7 @@ def _found_in(
         UserError: what a column is, is open; it names the table.
     """
     try:
-        return result_rows(table, options.columns, (*_own_settings(table), *stated), sizes)
+        return result_rows(table, options.columns, _own_settings(table), stated, sizes)
     except UsageError:
         raise
     except UserError as error:
