@@ -10,7 +10,6 @@ from pathlib import Path
 
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import ImportedCampaign
-from pipeclamp_identification.importing.channels.columns import listed
 from pipeclamp_identification.importing.raw import without_controls
 from pipeclamp_identification.importing.reading import passed_over_in
 from pipeclamp_identification.importing.stated import Options
@@ -18,6 +17,7 @@ from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import replace_folder, restored, staged_folder
 from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.said import few_of
 
 PAGE = "import.html"
 RESTORED = "an earlier import was ended while it replaced the campaign; the campaign was put back as it was before"
@@ -63,7 +63,7 @@ class ImportRequest:
 
     def passed_over_words(self) -> list[str]:
         """Say which files of folders aren't read: no format has their ending, or they may describe the others."""
-        unknown, notes = (listed(list(map(without_controls, names))) for names in passed_over_in(self.paths))
+        unknown, notes = (few_of(list(map(without_controls, names))) for names in passed_over_in(self.paths))
         words = [f"not read, for no known format has such an ending: {unknown}"] if unknown else []
         beside = f"not read beside files of other formats, which they may describe: {notes}; where they hold tests, "
         return [*words, *([f"{beside}name the files themselves"] if notes else [])]

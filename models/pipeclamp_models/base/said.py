@@ -17,6 +17,8 @@ A_COMMAND = "  pipeclamp "
 CUT = " [...] "
 END_OF_PLACE = 40
 """Characters that stay of a path at the beginning of a line that is too long, at least: upper folders say least."""
+MOST_NAMED = 8
+"""Texts that are named of many, unless another number is asked."""
 HIDDEN = frozenset(("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"))
 """Categories of Unicode that a terminal obeys, hides or can't show."""
 
@@ -45,7 +47,7 @@ def counted(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-def few_of(texts: Sequence[str], most: int, between: str = ", ") -> str:
+def few_of(texts: Sequence[str], most: int = MOST_NAMED, between: str = ", ") -> str:
     """Name the first of many: "a, b and 3 more".
 
     >>> few_of(["a", "b", "c"], most=2)

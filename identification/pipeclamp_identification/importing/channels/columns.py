@@ -14,11 +14,11 @@ from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
+from pipeclamp_models.base.said import few_of
 from pipeclamp_models.base.shell import quoted
 from pipeclamp_models.base.units import unit_shown
 
 OR_UNTIMED = "or --rate none where time was not measured, as in a quasi-static test"
-MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
 ODD = re.compile(r"^[-#]|^none$|,\s*[A-Za-z_]\w*\s*=|,$", re.IGNORECASE)
 """Names of channels that would be read as something else."""
@@ -180,7 +180,7 @@ def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) 
         headings: of these channels, at least one.
         mapped: those that are used.
     """
-    words = f"{listed(files, most=1)}: not used: {listed([*map(repr, headings)], most=MOST_UNUSED)}"
+    words = f"{few_of(files, most=1)}: not used: {few_of([*map(repr, headings)], most=MOST_UNUSED)}"
     likely = next((one for one in headings if is_measured(one)), None)
     if likely is None:
         return words
@@ -346,12 +346,12 @@ def _only_one(table: RawTable, stated: Stated, name: str, channels: Sequence[Cha
         headings = [channel.heading for channel in table.channels]
         raise UserError(
             f"--columns: there is no channel {stated.channel!r} (for {stated.ours}); {did_you_mean(name, headings)}"
-            f"there are {listed([*map(repr, headings)])}"
+            f"there are {few_of([*map(repr, headings)])}"
         )
     if len(channels) > 1:
         raise UserError(
             f"--columns: {len(channels)} channels are called {stated.channel!r} (for {stated.ours}): "
-            f"{listed([repr(channel.heading) for channel in channels])}; expected one of them, whole, or by its place "
+            f"{few_of([repr(channel.heading) for channel in channels])}; expected one of them, whole, or by its place "
             f"(#{table.channels.index(channels[0]) + 1})"
         )
     return channels[0]
@@ -379,7 +379,7 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
             f"; expected its samples per second, for example{rate}, or the channel that is it; {OR_UNTIMED}",
         )
     if not mapped.is_answerable():
-        there = listed([repr(heading) for heading in mapped.units])
+        there = few_of([repr(heading) for heading in mapped.units])
         raise UnusableFileError(
             where,
             problems,
@@ -391,7 +391,7 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     lines = ["; expected it to be stated, for example (check it):", f"  {option}{rate}"]
     for question in mapped.questions:
         if len(question.choices) > 1:
-            lines.append(f"  {question.ours}: {listed(_short([one.text for one in question.choices]), ' or ')}")
+            lines.append(f"  {question.ours}: {few_of(_short([one.text for one in question.choices]), between=' or ')}")
         if question.ours == "time" and question.is_missing and question.choices:
             lines.append(f"  or --rate 1000, samples per second, where no channel is the time; {OR_UNTIMED}")
     if re.search(r" \[1 [^\]]+\]", option):
@@ -407,9 +407,3 @@ def _short(texts: Sequence[str]) -> Sequence[str]:
     lengths = list(itertools.accumulate(len(text) + 4 for text in texts))
     count = max(2, sum(length <= LONGEST_OPTION for length in lengths))
     return texts if count >= len(texts) else [*texts[:count], f"{len(texts) - count} more"]
-
-
-def listed(texts: Sequence[str], between: str = ", ", most: int = MOST_LISTED) -> str:
-    """Give texts in a row, the first of many."""
-    more = f" and {len(texts) - most} more" if len(texts) > most else ""
-    return between.join(texts[:most]) + more

@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeclamp_identification.importing.channels.columns import Column, listed, map_columns
+from pipeclamp_identification.importing.channels.columns import Column, map_columns
 from pipeclamp_identification.importing.channels.naming import rank
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.said import few_of
 
 
 def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> RawTable | None:
@@ -46,7 +47,7 @@ def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> Ra
                 taken.add(channel.heading)
                 channels.append(Channel(channel.name, channel.unit, np.interp(time[within], own, channel.values)))
     moved = [repr(channel.heading) for channel in channels[len(chosen.channels) :]]
-    words = f"put on the times of the {'test' if whole else 'fastest channel'} by straight lines: {listed(moved)}"
+    words = f"put on the times of the {'test' if whole else 'fastest channel'} by straight lines: {few_of(moved)}"
     joined = (*chosen.joined, words)
     return replace(chosen, name="", channels=tuple(channels), labels=(), titles=(), joined=joined)
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from pipeclamp_identification.campaign.description import ImportedCut
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART
-from pipeclamp_identification.importing.channels.columns import Mapped, listed
+from pipeclamp_identification.importing.channels.columns import Mapped
 from pipeclamp_identification.importing.conditions import Pattern
 from pipeclamp_identification.importing.records.named_run import NamedRun
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.said import counted, few_of
 
 TEMPERATURE_APART = 15.0
 """K by which an oven may miss what was set in it: a name's number that is farther off is no temperature."""
@@ -55,7 +55,7 @@ def reversed_words(runs: Sequence[NamedRun]) -> str:
     turned = [run for run in runs if run.reversed]
     if not turned:
         return ""
-    files = listed(list(dict.fromkeys(run.planned.source.file for run in turned)), most=3)
+    files = few_of(list(dict.fromkeys(run.planned.source.file for run in turned)), most=3)
     return (
         f"the force of {len(turned)} of {counted(len(runs), 'run')} has the wrong sign ({files}): import these files "
         f"into one folder with {_turned(turned[0].mapped)}, then the others into the same folder without it"
@@ -108,7 +108,7 @@ def without_doubtful_temperatures(runs: Sequence[NamedRun], guess: str) -> tuple
     for run in runs:
         if run.above:
             files.setdefault(run.above.words, []).append(run.planned.source.file)
-    notes = [f"{listed(list(dict.fromkeys(own)), most=1)}: {words}" for words, own in files.items()]
+    notes = [f"{few_of(list(dict.fromkeys(own)), most=1)}: {words}" for words, own in files.items()]
     apart = [is_doubtful(run) for run in runs]
     if any(apart):
         notes.append(
@@ -131,9 +131,9 @@ def conditions_words(names: Collection[str], runs: Sequence[NamedRun], again: Co
     bare = [run.planned.name for run in runs if not run.known_as]
     words = []
     if idle:
-        words.append(f"--conditions: no run here is called, nor from a file that is called, {listed(idle)}")
+        words.append(f"--conditions: no run here is called, nor from a file that is called, {few_of(idle)}")
     if bare and names:
-        words.append(f"--conditions: says nothing of {len(bare)} of {len(runs)} runs: {listed(bare)}")
+        words.append(f"--conditions: says nothing of {len(bare)} of {len(runs)} runs: {few_of(bare)}")
     return words
 
 

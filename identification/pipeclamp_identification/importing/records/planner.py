@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, LeftOutFile
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.channels.columns import Mapped, listed, unused_words
+from pipeclamp_identification.importing.channels.columns import Mapped, unused_words
 from pipeclamp_identification.importing.conditions import guessed_pattern
 from pipeclamp_identification.importing.left_out import left_out_files
 from pipeclamp_identification.importing.plan import ImportPlan, Overview
@@ -30,6 +30,7 @@ from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import UnusableFileError, are_no_strays, foremost, listed_why
 from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.said import few_of
 
 MOST_ASIDE = 4
 """Tables that are left aside, of which one line names so many."""
@@ -111,7 +112,7 @@ class _Planner:
         """
         called = file_name(path)
         if file.aside:
-            names = listed([*map(repr, file.aside)], most=MOST_ASIDE)
+            names = few_of([*map(repr, file.aside)], most=MOST_ASIDE)
             self.note(f"{called}: left aside, without time, displacement and force: {names}")
         stems = [_stem_of(path, table, len(file.tables) > 1) for table in file.tables]
         count = Counter(stems)
@@ -157,7 +158,7 @@ class _Planner:
         for words in table.joined:
             self._alike.setdefault(words, []).append(called)
         if table.stated:
-            words = f"{listed(sorted(table.stated))} taken from the file's own properties"
+            words = f"{few_of(sorted(table.stated))} taken from the file's own properties"
             self._alike.setdefault(words, []).append(called)
         for unread in table.unread:
             self.note(f"{called}: {unread.words()}; such cells count as blank")
@@ -180,7 +181,7 @@ class _Planner:
         for words in (*words_above, *filter(None, [reversed_words(runs)])):
             self.note(words)
         for words, files in self._alike.items():
-            self.note(f"{listed(list(dict.fromkeys(files)), most=1)}: {words}")
+            self.note(f"{few_of(list(dict.fromkeys(files)), most=1)}: {words}")
         for headings, (mapped, files) in self._unused.items():
             if headings:
                 self._notes.append(unused_words(files, headings, mapped))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.importing.channels.columns import Stated, channel_named, columns_option, listed
+from pipeclamp_identification.importing.channels.columns import Stated, channel_named, columns_option
 from pipeclamp_identification.importing.channels.naming import unit_of
 from pipeclamp_identification.importing.channels.questions import NONE
 from pipeclamp_identification.importing.conditions import Settings
@@ -37,7 +37,7 @@ from pipeclamp_identification.importing.results.recognised import without_units
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.said import counted, few_of
 from pipeclamp_models.base.units import CELSIUS
 
 COLUMNS = {"amplitude": "amplitude_mm", "frequency": "frequency_Hz", "temperature": "temperature_C"}
@@ -161,7 +161,7 @@ def _unknown_setting(
         moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table)
         example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]", *moduli])
         return (
-            f"no column is the amplitude in mm, but {listed([repr(one.heading) for one in strains])}; expected "
+            f"no column is the amplitude in mm, but {few_of([repr(one.heading) for one in strains])}; expected "
             f"{SIZE_WORDS} how far it moves for 1 of its unit (for 1 % of strain, a hundredth of its height), in "
             f"the place of {FOR_A_STRAIN}:\n  {example}{MODULUS_WORDS if moduli else ''}"
         )
@@ -200,7 +200,7 @@ def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColum
             choices = [f"{quantity}={one.heading}" for one in fitting]
             raise UserError(
                 f"{len(fitting)} columns may be the {quantity.replace('_', ' ')}: "
-                f"{listed([repr(one.heading) for one in fitting])}; expected it to be stated, for example (check it): "
+                f"{few_of([repr(one.heading) for one in fitting])}; expected it to be stated, for example (check it): "
                 f"{columns_option(choices[:1])}"
             )
         if fitting:
@@ -358,10 +358,10 @@ def left_out_words(left_out: Sequence[tuple[int, str]], length: int) -> list[str
         reasons.setdefault(why, []).append(row)
     return [
         f"{len(rows)} of {counted(length, 'row')} left out, {why}: row{'s' if len(rows) > 1 else ''} "
-        f"{listed([str(row) for row in rows])}"
+        f"{few_of([str(row) for row in rows])}"
         for why, rows in reasons.items()
     ]
 
 
 def _there(table: RawTable) -> str:
-    return listed([repr(one.heading) for one in table.channels])
+    return few_of([repr(one.heading) for one in table.channels])

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
-from pipeclamp_identification.importing.channels.columns import columns_option, listed
+from pipeclamp_identification.importing.channels.columns import columns_option
 from pipeclamp_identification.importing.channels.mapping import where_of
 from pipeclamp_identification.importing.channels.naming import condition_name, is_measured, names_specimen
 from pipeclamp_identification.importing.conditions import Settings, name_in, of_properties, settings_of
@@ -26,6 +26,7 @@ from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.said import few_of
 
 DIGITS = 6
 
@@ -78,7 +79,7 @@ def taken_results(source: SourceFile, sha256: str, options: Options, names: Coll
     rows: list[tuple[Row, ImportedRun]] = []
     cut: list[ImportedCut] = []
     aside = [repr(table.name) for table in source.tables if not any(table is one for one in tables)]
-    notes = [f"left aside, for they hold no results: {listed(aside)}"] if aside else []
+    notes = [f"left aside, for they hold no results: {few_of(aside)}"] if aside else []
     for table in tables:
         found = _found_in(source, table, options, stated, sizes)
         columns |= _columns_of(found)
@@ -126,7 +127,7 @@ def _notes_on(found: ResultRows, table: RawTable, *, temperature_known: bool) ->
     unread = [one for one in table.unread if not (one.is_whole and names_specimen(one.name))]
     notes += [f"{one.words()}; such cells count as blank" for one in unread]
     if found.unused:
-        notes.append(f"not used: {listed([*map(repr, found.unused)])}{_as_condition(found)}")
+        notes.append(f"not used: {few_of([*map(repr, found.unused)])}{_as_condition(found)}")
     if table.above and not temperature_known:
         notes.append(table.above.words)
     return notes

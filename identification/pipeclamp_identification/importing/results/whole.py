@@ -14,7 +14,6 @@ from pipeclamp_identification.campaign.description import (
     read_description,
 )
 from pipeclamp_identification.campaign.runs_table import FILE_NAME, read_runs_table
-from pipeclamp_identification.importing.channels.columns import listed
 from pipeclamp_identification.importing.conditions import guessed_pattern
 from pipeclamp_identification.importing.left_out import left_out_files
 from pipeclamp_identification.importing.reading import Contents, digest_of, files_in, read_file
@@ -34,6 +33,7 @@ from pipeclamp_identification.importing.writing import (
 )
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.said import few_of
 
 
 def import_results(request: ImportRequest) -> ImportedResults:
@@ -103,7 +103,7 @@ def _taken(files: Sequence[Path], options: Options, existing: Existing | None, t
     for one in taken:
         for words in one.notes:
             alike.setdefault(words, []).append(one.file.file)
-    notes = [f"{listed(own_files, most=1)}: {words}" for words, own_files in alike.items()]
+    notes = [f"{few_of(own_files, most=1)}: {words}" for words, own_files in alike.items()]
     if taken and not any(one.rows for one in taken):
         raise UserError("\n  ".join(["no row of results can be used", *notes]))
     notes = [*listed_why([(one.file, one.why) for one in left_out]), *contents.notes, *notes]

@@ -12,7 +12,7 @@ from pipeclamp_identification.importing.samples.blanks import on_lines
 from pipeclamp_identification.importing.samples.split import turns_of
 from pipeclamp_identification.signals.sample_noise import scatter_by_median
 from pipeclamp_models.base.arrays import Array, IntArray
-from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.said import counted, few_of
 
 SPIKE = 12.0
 """Standard deviations, by the median of the absolute ones, that a spike lies off the line between its neighbours."""
@@ -183,10 +183,9 @@ def _despiked(name: str, values: Array, motion: Array | None = None) -> tuple[Ar
         return values, ""
     clean = on_lines(values, found)
     worst = float(np.max(np.abs(values - clean)))
-    at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
-    more = f" and {count - 3} more" if count > 3 else ""
+    at = few_of([str(place + 1) for place in np.flatnonzero(found).tolist()], most=3)
     return clean, (
-        f"{counted(count, 'spike')} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
+        f"{counted(count, 'spike')} in {name} (sample {at} of it; up to {worst:.3g}): replaced "
         "by straight lines between their neighbours"
     )
 
