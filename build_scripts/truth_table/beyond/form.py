@@ -1,6 +1,7 @@
 """Whether a proposed term has the form of what is hidden: force against force, on motions that neither was fitted to.
 
-Both forces are freed of what the law's own parameters can do about them, for that part is found whatever is proposed.
+Both forces are freed of what the parameters of the law beside the term can do about them, for that part is found
+whatever is proposed. Effects in whose place the term stands are none of it: what they could do, the term must.
 """
 
 from __future__ import annotations
@@ -37,15 +38,19 @@ def difference(drawn: Drawn, sizes: tuple[float, ...], before: Law, after: Law) 
     Args:
         drawn: the case.
         sizes: of what is hidden: the law, and an effect of the catalogue that it may be beside.
-        before: the law without the term.
-        after: the law with it.
+        before: a law that lacks the term.
+        after: the law with it, which may lack effects of the other.
     """
     there, without = (_observed(drawn, each) for each in (sizes, (0.0, *sizes[1:])))
     seen = there.seen & without.seen
     weights = np.where(np.arange(seen.shape[1]) > 0, np.sqrt(0.5), 1.0) * seen
     hidden = (there.harmonics - without.harmonics) * weights
-    term = there.transformed(own_force(before, after, there)) * weights
-    free = freed(tangents(before, there) * weights, Forces(hidden, term))
+    (name,) = set(after.structure.effects) - set(before.structure.effects)
+    own = [one.name for one in after.structure.effect(name).parameters]
+    idle = Law(after.structure, {**after.values, own[0]: 0.0}, after.v_r, after.y_r)
+    term = there.transformed(own_force(idle, after, there)) * weights
+    beside = [place for place, one in enumerate(idle.equations.names) if one not in own]
+    free = freed(tangents(idle, there)[beside] * weights, Forces(hidden, term))
     return relative(free)
 
 
@@ -63,12 +68,9 @@ def freed(directions: Array, forces: Forces) -> Forces:
     return Forces(*(force.ravel() - basis @ (basis.T @ force.ravel()) for force in forces))
 
 
-def own_force(before: Law, after: Law, observations: LoopObservations) -> Array:
-    """Give what the term that a law has more than another does to its force, N, (R, n): with it less without it."""
-    (name,) = set(after.structure.effects) - set(before.structure.effects)
-    strength = after.structure.effect(name).parameters[0].name
-    without = Law(after.structure, {**after.values, strength: 0.0}, after.v_r, after.y_r)
-    return np.asarray(force_of_law(after, observations.motion).force - force_of_law(without, observations.motion).force)
+def own_force(idle: Law, law: Law, observations: LoopObservations) -> Array:
+    """Give what a term does to a law's force, N, (R, n): with it less with its strength nothing."""
+    return np.asarray(force_of_law(law, observations.motion).force - force_of_law(idle, observations.motion).force)
 
 
 def tangents(law: Law, observations: LoopObservations) -> Array:

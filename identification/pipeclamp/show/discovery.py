@@ -15,6 +15,7 @@ from pipeclamp_models.base.units import unit_shown
 RIVALS_SHOWN = 5
 READ_AS = {SIGN_Y: "sign(y)", SIGN_V: "sign(v)", SIZE_Y: "|y|", SIZE_V: "|v|"}
 """What people read for what is smooth about zero; a declaration has it whole."""
+WHERE_AS_WELL = "on these conditions or in a tenth of draws of them"
 
 
 def formula_read(formula: str) -> str:
@@ -64,7 +65,7 @@ def discovery_words(proposal: TermProposal) -> list[str]:
         words.append(f"Mind: {found.caution}.")
     if found.rivals:
         rivals = "; ".join(rival.acts_like for rival in found.rivals[:RIVALS_SHOWN])
-        words.append(f"As well do: {rivals}. {_what_tells(found)}.")
+        words.append(f"Other forms do as well, {WHERE_AS_WELL}: {rivals}. {_what_tells(found)}.")
     return [*words, tried]
 
 
@@ -87,7 +88,7 @@ def rivals_table(proposal: TermProposal) -> Table:
     """Give the terms that do as well."""
     rivals = proposal.found.rivals if proposal.found else ()
     rows = [(one.acts_like, formula_read(formula_of(one.declaration))) for one in rivals]
-    return Table(("acts like", "formula"), rows, "terms that do as well")
+    return Table(("acts like", "formula"), rows, f"terms that do as well, {WHERE_AS_WELL}")
 
 
 def discovery_view(proposal: TermProposal, next_command: str) -> View:

@@ -40,7 +40,7 @@ def without_last_effects(law: Judged, problem: Problem) -> Iterator[Basis]:
     for count in range(1, min(len(structure.effects), MOST_GONE) + 1):
         gone = structure.effects[-count:]
         try:
-            judged = _fitted_without(structure, gone, law, problem)
+            judged = fitted_without(structure, gone, law, problem)
         except UserError:  # another effect modifies what only this one has
             continue
         yield Basis(judged, gone)
@@ -72,7 +72,7 @@ def with_needed_back(
         if left == whole.effects[-len(left) :]:  # the law without its last ones: that is asked anyway
             continue
         try:
-            yield Basis(_fitted_without(whole, left, term, problem), left)
+            yield Basis(fitted_without(whole, left, term, problem), left)
         except UserError:  # an effect that is back modifies what only one has that isn't
             continue
 
@@ -91,7 +91,7 @@ def _each_back(term: Judged, gone: Sequence[str], law: Judged) -> Iterator[Conte
         yield Contender((name,), larger, [start])
 
 
-def _fitted_without(structure: Structure, gone: Sequence[str], near: Judged, problem: Problem) -> Judged:
+def fitted_without(structure: Structure, gone: Sequence[str], near: Judged, problem: Problem) -> Judged:
     """Fit a law without some of its effects.
 
     Args:

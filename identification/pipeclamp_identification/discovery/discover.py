@@ -91,7 +91,8 @@ def search(
 ) -> TermSearch:
     """Search the grammar for a term that a law lacks.
 
-    Of a law that leaves scatter only, a term is sought in the place of its effects: several may stand for one.
+    Of a law that leaves scatter only, a term is sought in the place of its effects: several may stand for one. Where
+    one of several effects is missing and the tests can't tell which, a term that betters all of them is what is.
 
     Args:
         file: the law.
@@ -111,8 +112,9 @@ def search(
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     found = diagnosed(file, campaign, loops, declared=declared, workers=workers)
-    if found.kind == "cause":
-        return TermSearch(found, None, 0, catalogue_first(found.effects))
+    causes = found.effects if found.kind == "cause" else ()
+    if len(causes) == 1:
+        return TermSearch(found, None, 0, catalogue_first(causes))
     structure = structure_of(file).with_declared(declared)
     leaves_scatter = found.verdict == "complete" and found.diagnosis.is_adequate(found.diagnosis.law)
     if leaves_scatter and not structure.effects:
@@ -125,7 +127,7 @@ def search(
     every = [term for term in terms_asked(problem) if term.declaration.id not in present]
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
-        for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
+        for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared), causes)
     ]
     bar = Hurdle(law, listed, _rows(loops, kept), found.effects)
 
@@ -140,6 +142,8 @@ def search(
     own = NOTHING_BETTER if leaves_scatter else _asked(evaluation, columns, (), bar, workers)
     heard = [own] if isinstance(own, TermFound) else []
     heard += in_the_place_of_effects(law, problem, asked, workers)
+    if causes and not any(one.passed for one in heard):
+        return TermSearch(found, None, len(every), catalogue_first(causes))
     if not heard:
         return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
@@ -154,14 +158,16 @@ def terms_asked(problem: Problem) -> list[Term]:
     return [term for term in every if problem.loops.time_measured or not term.effect.is_of_time]
 
 
-def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequence[Judged]:
+def to_better(candidates: Sequence[Judged], in_vain: Collection[str], causes: Collection[str] = ()) -> Sequence[Judged]:
     """Give the catalogue's best, best first, but for what was added in vain: who gets no term can't add that either.
 
     Args:
         candidates: of the diagnosis, best first.
         in_vain: effects that were tried on the same tests and didn't lower the error; of two together both names.
+        causes: effects of which one is missing, which are all asked.
     """
-    return [one for one in candidates if WITH.join(one.effects) not in in_vain][:LISTED]
+    asked = [one for one in candidates if WITH.join(one.effects) not in in_vain]
+    return [one for place, one in enumerate(asked) if place < LISTED or WITH.join(one.effects) in causes]
 
 
 def catalogue_first(causes: Sequence[str]) -> str:

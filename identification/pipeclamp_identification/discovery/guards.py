@@ -63,12 +63,21 @@ def comes_back(judged: Sequence[Judged], alike: BoolArray, groups: IntArray) -> 
         alike: which of them are the term, or act as it does.
         groups: of each run, shape (R,).
     """
-    by_group = np.array([np.bincount(groups, weights=each.score.squares) for each in judged])
-    squares = draws(by_group.shape[1]) @ by_group.T.astype(np.float64)
-    own = squares[:, alike].min(axis=1)
-    share = float(np.mean(own <= squares.min(axis=1) + RIVAL_LIKELIHOOD))
+    share = float(np.mean(np.any(as_well_in_draws(judged, groups)[:, alike], axis=1)))
     words = f"a term that acts alike does as well as the best in {share:.0%} of draws of the conditions"
     return Guard("comes back", share >= COMES_BACK_SHARE, words)
+
+
+def as_well_in_draws(judged: Sequence[Judged], groups: IntArray) -> BoolArray:
+    """Tell which laws do as well as the best in each draw of the conditions, shape (draws, laws).
+
+    Args:
+        judged: the laws.
+        groups: of each run, shape (R,).
+    """
+    by_group = np.array([np.bincount(groups, weights=each.score.squares) for each in judged])
+    squares = draws(by_group.shape[1]) @ by_group.T.astype(np.float64)
+    return np.asarray(squares <= squares.min(axis=1, keepdims=True) + RIVAL_LIKELIHOOD)
 
 
 def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
@@ -230,9 +239,18 @@ def surely_better(found: Judged, other: Judged, problem: Problem) -> bool:
 
 
 def not_in_the_catalogue(
-    found: Judged, listed: Sequence[Judged], problem: Problem, *, named: Collection[str] = (), own: bool = False
+    found: Judged,
+    listed: Sequence[Judged],
+    problem: Problem,
+    *,
+    named: Collection[str] = (),
+    own: bool = False,
+    longer: Sequence[Judged] = (),
 ) -> Guard:
     """Ask whether a term does better than each effect of the catalogue, beyond doubt: effects win ties.
+
+    But for those that need what the term stands in the place of beside them and that no diagnosis names: of laws that
+    do as well the shorter one stands.
 
     Args:
         found: the law with the term.
@@ -240,7 +258,14 @@ def not_in_the_catalogue(
         problem: the tests.
         named: effects that the law's diagnosis names, which alone are worth adding.
         own: whether the first of `listed` is the law itself, with the effects in whose place the term stands.
+        longer: that law with effects beside all that it has.
     """
+    for effect in longer:
+        tie = set(effect.effects) <= set(named) and not surely_better(found, effect, problem)
+        if tie or surely_better(effect, found, problem):
+            words = f"{WITH.join(effect.effects)} of the catalogue, beside all effects of the law, does "
+            words += "as well; `add` it instead" if tie else "better"
+            return Guard("beyond the catalogue", False, words)
     for place, effect in enumerate(listed):
         if not surely_better(found, effect, problem):
             words = f"{WITH.join(effect.effects)} of the catalogue does as well"

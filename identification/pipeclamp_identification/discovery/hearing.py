@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged
-from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import RIVAL_DRAWS_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.discovery.bases import fitted_without
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn
 from pipeclamp_identification.discovery.grammar import Term, linear_symbol
 from pipeclamp_identification.discovery.guards import (
     Guard,
+    as_well_in_draws,
     beyond_chance,
     beyond_the_tests,
     comes_back,
@@ -25,6 +27,7 @@ from pipeclamp_identification.discovery.search import ALIKE_CORRELATION, Screene
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.declaration import Declaration
 
 
@@ -208,6 +211,51 @@ class Hearing:
         name = self.refitted[place].term.declaration.id
         return np.asarray(alike | [name in one.term.shorter for one in self.refitted])
 
+    def returning(self, place: int) -> BoolArray:
+        """Tell which of the refitted terms stand for one of them where conditions are drawn again.
+
+        Those that act as it does, and those with which the law comes to the same: beside parts that stand for much of
+        what is missing, what is left of two terms beyond the law's tangents may differ, and what they make of it not.
+        """
+        before = self.evaluation.law.fitted.residual
+        changes = np.stack([(before - one.judged.fitted.residual).ravel() for one in self.refitted])
+        lengths = np.linalg.norm(changes, axis=1)
+        same = changes @ changes[place] > ALIKE_CORRELATION * lengths * lengths[place]
+        return np.asarray(self.alike(place) | same)
+
+    def rivals_of(self, best: RefittedTerm, near: Sequence[RefittedTerm]) -> list[RefittedTerm]:
+        """Give what rivals a term: what does as well, and what does as well as the best in a share of draws.
+
+        Where errors on left-out conditions scatter, one draw of them tells no form for sure. What only adds to another
+        of them is no rival.
+
+        Args:
+            best: the term.
+            near: what does as well, best first.
+        """
+        shares = np.mean(as_well_in_draws([one.judged for one in self.refitted], self.evaluation.problem.groups), 0)
+        kept = [best, *near]
+        for place in np.argsort([one.parameters for one in self.refitted], kind="stable"):
+            one = self.refitted[place]
+            adds = any(other.term.declaration.id in (one.term.declaration.id, *one.term.shorter) for other in kept)
+            if shares[place] >= RIVAL_DRAWS_SHARE and not adds:
+                kept.append(one)
+        return kept[1:]
+
+    @cached_property
+    def catalogue(self) -> list[Judged]:
+        """The catalogue's best effects in the law that the terms are put into, where they win ties."""
+        if not self.gone:
+            return list(self.bar.listed)
+        found = []
+        for one in self.bar.listed:
+            try:
+                judged = fitted_without(one.result.law.structure, self.gone, one, self.evaluation.problem)
+            except UserError:  # it modifies what only an effect has that is gone
+                continue
+            found.append(replace(judged, effects=one.effects))
+        return found
+
     def of(self, best: RefittedTerm, rivals: Sequence[RefittedTerm]) -> TermFound:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.bar.law, self.evaluation.problem
@@ -215,13 +263,15 @@ class Hearing:
         replaced = [replace(law, effects=self.gone)] if self.gone else []
         guards = (
             beyond_chance(float(self.explained[place]), self.by_chance(place)),
-            comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
+            comes_back([one.judged for one in self.refitted], self.returning(place), problem.groups),
             beyond_the_tests(law, found, problem),
             confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
             not_in_the_catalogue(
-                found, [*replaced, *self.bar.listed], problem, named=self.bar.named, own=bool(replaced)
+                found, [*replaced, *self.catalogue], problem, named=self.bar.named, own=bool(replaced),
+                longer=self.bar.listed if self.gone else (),
             ),
-        )
+        )  # fmt: skip
+        rivals = self.rivals_of(best, rivals)
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
         caution = worse_between_levels(law, found, problem)
         return TermFound(

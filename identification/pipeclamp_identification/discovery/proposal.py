@@ -30,7 +30,7 @@ class GuardAnswer(AnswerModel):
 
 
 class RivalAnswer(AnswerModel):
-    """A term that does as well."""
+    """A term that does as well, or does so in draws of the conditions."""
 
     formula: str
     acts_like: str
@@ -59,7 +59,9 @@ class DiscoveryAnswer(AnswerModel):
     heldout_before: float | None = Field(description="error on left-out groups of A and f, as a share of the force")
     heldout_after: float | None = Field(description="the same with the term")
     noise_nrmse: float | None = Field(description="cycle-to-cycle scatter, which no law can explain")
-    rivals: tuple[RivalAnswer, ...] = Field(description="terms that do as well")
+    rivals: tuple[RivalAnswer, ...] = Field(
+        description="terms that do as well, on these conditions or in a tenth of draws of them"
+    )
     guards: tuple[GuardAnswer, ...] = Field(description="what was asked of the best term, and with which figures")
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")

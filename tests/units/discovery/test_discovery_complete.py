@@ -13,7 +13,8 @@ from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm
+from pipeclamp_identification.discovery.guards import Guard
+from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm, TermFound
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.law.bundled import open_law
@@ -60,6 +61,41 @@ def test_of_a_complete_law_a_term_is_sought_in_the_place_of_its_effects(
     assert result.found is None
     assert result.reason.startswith("nothing is missing") == leaves_scatter
     assert ("in the place of its effects" in result.reason) == (leaves_scatter and bool(effects))
+
+
+@pytest.mark.parametrize(
+    ("causes", "passes", "asked", "reason"),
+    [
+        (("memory",), True, 0, "the catalogue has what is missing: memory; `add` it first"),
+        (("asymmetry", "pressed_slip"), False, 1, "these tests can't tell which: asymmetry, pressed_slip"),
+        (("asymmetry", "pressed_slip"), True, 1, ""),  # it had not been looked for
+    ],
+)
+def test_where_tests_tell_no_cause_from_another_a_term_may_better_both(
+    tests, causes, passes, asked, reason, monkeypatch
+):
+    """Of bumpers on both sides two effects might have been the cause, and neither came near."""
+    diagnosis = SimpleNamespace(law=None, is_adequate=lambda law: False, candidates=())
+    named = SimpleNamespace(verdict="ambiguous", kind="cause", effects=causes, diagnosis=diagnosis)
+    term = next(iter(terms(("A", "f"), {})))
+    found = TermFound(term, SimpleNamespace(squares=1.0), None, (), "", (Guard("asked", passes, "too little"),))
+    counted = []
+    monkeypatch.setattr(discover, "diagnosed", lambda *given, **named_too: named)
+    monkeypatch.setattr(discover, "_asked", lambda *given: counted.append(1) or found)
+    monkeypatch.setattr(discover, "all_columns", lambda *given: [])
+    monkeypatch.setattr(discover, "best_heard", lambda heard: heard[0])
+    file = law_file(identify(tests, Structure("power")), tests, name="law", provenance=Provenance("several"))
+    result = discover.search(file, tests, workers=ALONE)
+    assert len(counted) == asked
+    assert reason in result.reason
+    assert bool(result.reason) == bool(reason)
+    assert (result.found is found) == (passes and bool(asked))
+
+
+def test_a_term_must_better_every_effect_that_may_be_the_cause():
+    candidates = [SimpleNamespace(effects=(name,)) for name in ("a", "b", "c", "d", "e", "f")]
+    asked = discover.to_better(candidates, {"b"}, ("a", "f"))
+    assert [one.effects for one in asked] == [("a",), ("c",), ("d",), ("f",)]
 
 
 def test_a_term_with_something_added_comes_back_as_the_term():

@@ -160,32 +160,60 @@ def test_a_flag_is_at_rest_in_the_middle_and_yields_within_its_bounds():
     assert shown[giving_back] == pytest.approx(0.35 * 0.2, rel=1e-6)
 
 
-def test_a_term_is_judged_by_its_force():
-    """The hidden term itself, fitted, is right; a spring beside the same law isn't."""
-    from beyond.form import RIGHT_FORM, difference
+@pytest.fixture(scope="module")
+def jammed():
+    """A case that hides jammed paste, and its loops."""
     from cases import Case, draw, measure
 
-    from pipeclamp_identification.fitting.identify import fit_structure
     from pipeclamp_identification.loops.loops import loops_of
-    from pipeclamp_models.law.declaration import Declaration
-    from pipeclamp_models.law.law import Structure
-
-    def declared(force):
-        strength = {"symbol": "F_x", "unit": "N", "meaning": "force", "start": "0.05 * F_typical"}
-        length = {"symbol": "y_x", "unit": "mm", "meaning": "length", "start": "1.5 * A_typical", "lower": 0.05,
-                  "upper": 3.0}  # fmt: skip
-        words = {"id": "found_one", "title": "a term", "looks_like": "a term"}
-        return Declaration.model_validate({**words, "force": f"F_x * {force}", "parameters": (strength, length)})
 
     drawn = draw(Case("beyond", ("jammed_paste",), "clean", "strong", "low", "A"), seed=2)
     data = measure(drawn)
-    loops = loops_of(data.campaign)
+    return drawn, data.sizes, loops_of(data.campaign)
+
+
+SHARE = "(v / (8 * v_0) * A_0 / y_x)"
+JAMMED, LEVELS_OFF = f"v / v_0 * (1 + 6 * {SHARE}**2 / (1 + {SHARE}**4))", "tanh(y / y_x)"
+
+
+def with_term(force):
+    """A law's structure with a term of this force."""
+    from pipeclamp_models.law.declaration import Declaration
+    from pipeclamp_models.law.law import Structure
+
+    strength = {"symbol": "F_x", "unit": "N", "meaning": "force", "start": "0.05 * F_typical"}
+    length = {"symbol": "y_x", "unit": "mm", "meaning": "length", "start": "1.5 * A_typical", "lower": 0.05,
+              "upper": 3.0}  # fmt: skip
+    words = {"id": "found_one", "title": "a term", "looks_like": "a term"}
+    declared = Declaration.model_validate({**words, "force": f"F_x * {force}", "parameters": (strength, length)})
+    return Structure("power", ("found_one",), declared=(declared,))
+
+
+def test_a_term_is_judged_by_its_force(jammed):
+    """The hidden term itself, fitted, is right; a spring beside the same law isn't."""
+    from beyond.form import RIGHT_FORM, difference
+
+    from pipeclamp_identification.fitting.identify import fit_structure
+    from pipeclamp_models.law.law import Structure
+
+    drawn, sizes, loops = jammed
     before = fit_structure(Structure("power"), loops).law
-    share = "(v / (8 * v_0) * A_0 / y_x)"
-    for force, right in ((f"v / v_0 * (1 + 6 * {share}**2 / (1 + {share}**4))", True), ("tanh(y / y_x)", False)):
-        structure = Structure("power", ("found_one",), declared=(declared(force),))
-        found = difference(drawn, data.sizes, before, fit_structure(structure, loops).law)
+    for force, right in ((JAMMED, True), (LEVELS_OFF, False)):
+        found = difference(drawn, sizes, before, fit_structure(with_term(force), loops).law)
         assert (found <= RIGHT_FORM) == right, found
+
+
+def test_effects_in_whose_place_a_term_stands_leave_nothing_to_it(jammed):
+    """What an effect that is gone could do had been taken out of both forces, so that a right term looked wrong."""
+    from beyond.form import difference
+
+    from pipeclamp_identification.fitting.identify import fit_structure
+    from pipeclamp_models.law.law import Structure
+
+    drawn, sizes, loops = jammed
+    after = fit_structure(with_term(JAMMED), loops).law
+    bare, parts = (fit_structure(Structure("power", own), loops).law for own in ((), ("quadratic_damping",)))
+    assert difference(drawn, sizes, parts, after) == pytest.approx(difference(drawn, sizes, bare, after))
 
 
 def answered(proposed, family="damper"):
