@@ -12,6 +12,7 @@ from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
+from pipeclamp_identification.diagnosis.further_test.run_apart import RunApart, run_apart
 from pipeclamp_identification.diagnosis.named import (
     NO_PROOF,
     WITH,
@@ -122,13 +123,13 @@ class RecordDiagnosed:
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search: nothing is named for what follows the conditions."""
         diagnosis = self.diagnosis
-        if diagnosis.found.unstated is not None or diagnosis.found.bent is not None:
+        if diagnosis.found.unstated is not None or diagnosis.found.bent is not None or self.verdict != "unknown":
             return False
         # what was taken off the records, or left out with them, isn't in what is left
         by_sensors = any(fault.done == "kept" for fault in self.comparison.campaign.faults)
         elsewhere = by_sensors or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
         enough = int(amplitude_and_frequency_groups(diagnosis.problem.loops).max()) + 1 >= FEWEST_GROUPS
-        return self.verdict == "unknown" and enough and not elsewhere
+        return enough and not elsewhere and self._run_apart is None
 
     @property
     def leaves_means_open(self) -> bool:
@@ -216,15 +217,21 @@ class RecordDiagnosed:
         """Say what is left over beyond scatter: with what is named first, or else by the best law."""
         diagnosis = self.diagnosis
         described, leftover = diagnosis.described, diagnosis.leftover
+        apart = (self._run_apart.words(),) if self._run_apart else ()
         if self.verdict == "complete":
-            return ()
+            return apart
         if diagnosis.is_adequate(described):
-            return leftover.lines
+            return (*apart, *leftover.lines)
         law = f"with {' and '.join(described.effects)}" if described.effects else "as it is"
         lack = described.lack
         times = f"{lack.share:.2g} times {self.noise_name}"
         left = f"the law {law} leaves {newtons(lack.rms)} that follow the conditions, {times}"
-        return (left, *leftover.words, *leftover.lines)
+        return (left, *apart, *leftover.words, *leftover.lines)
+
+    @cached_property
+    def _run_apart(self) -> RunApart | None:
+        """The run that holds most of what is left over, where one does."""
+        return run_apart(self.diagnosis.described, self.diagnosis.problem)
 
     def rung(self) -> tuple[str, ...]:
         """Say what the effect that is named first takes, and what remains with it."""

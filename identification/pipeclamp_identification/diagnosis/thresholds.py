@@ -59,6 +59,8 @@ LARGER_MEMBER_SQUARES = 10.0
 MOSTLY_STUCK_SHARE = 0.5
 """Of an element that never slips in this share of the loops or more, these don't show what it can hold: it stands for a
 mean force, whatever this is. One that sticks in the smallest loops and slips in the others holds what it may."""
+RUN_APART_SHARE = 0.5
+"""A run that holds more of what is left over (mean square) than all others together stands apart."""
 FEWEST_RUNS = 4
 """Fewer can't show what a law lacks."""
 FEWEST_GROUPS = 6
