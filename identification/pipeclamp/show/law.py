@@ -6,15 +6,18 @@ from collections.abc import Mapping, Sequence
 
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.campaign.description import UNTIMED
-from pipeclamp_identification.comparison.in_the_middle import loop_in_the_middle
+from pipeclamp_identification.comparison.in_the_middle import BY_RATIO, loop_in_the_middle
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.digits import one_digit, plain, with_error
+from pipeclamp_identification.signals.levels import VARIED_SHARE
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD, LawChange
+from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.base.units import CELSIUS, unit_shown
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
+from pipeclamp_models.law.range import conditions_beyond
 from pipeclamp_models.law.step import read_step
 
 MOVED_STANDARD_ERRORS = 2.0
@@ -83,21 +86,31 @@ def doubts(file: LawFile) -> list[str]:
 
 
 def in_the_middle_words(file: LawFile) -> list[str]:
-    """Say what a law's loop comes to in the middle of its tests; nothing where its errors aren't known."""
+    """Say what a law's loop comes to in the middle of its tests, and whether its parameters stand outside of these.
+
+    Nothing where the loop's errors aren't known.
+    """
     loop = loop_in_the_middle(file)
     if loop is None:
         return []
+    varied = {
+        name
+        for name, each in file.range.items()
+        if each.maximum - each.minimum > VARIED_SHARE * max(abs(each.maximum), abs(each.minimum))
+    }
     shown = {**loop.conditions, **({"T": loop.conditions["T"] - CELSIUS} if "T" in loop.conditions else {})}
     units = {name: unit_shown(each.unit) for name, each in file.range.items()} | {"T": "°C"}
     where = ", ".join(
         f"{name} {plain(value, 3)}" + ("" if units[name] == "in its name" else f" {units[name]}")
         for name, value in shown.items()
+        if name in (*BY_RATIO, "T") or name in varied
     )
-    return [
-        f"In the middle of its tests ({where}) the law takes {with_error(loop.dissipated_energy, loop.energy_error)} J "
-        f"a cycle, at a stiffness of {with_error(loop.stiffness, loop.stiffness_error)} N/mm; the parameters stand at "
-        "1 mm, 1 Hz and 20 °C, where they may be less sure."
-    ]
+    stiffness = with_error(loop.stiffness, loop.stiffness_error)
+    energy = with_error(loop.dissipated_energy, loop.energy_error)
+    words = [f"In the middle of its tests ({where}): {stiffness} N/mm and {energy} J a cycle."]
+    if conditions_beyond(file, {name: REFERENCES[f"{name}_0"] for name in BY_RATIO}):
+        words.append("Its parameters stand at 1 mm, 1 Hz and 20 °C, outside of these tests, and may be less sure.")
+    return words
 
 
 def per_group_table(column: str, files: Mapping[str, LawFile]) -> Table:

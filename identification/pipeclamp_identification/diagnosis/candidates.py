@@ -300,10 +300,10 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
 
 
 def _best_roughly(contenders: Sequence[Contender], problem: Problem, workers: Workers) -> list[Contender]:
-    """Give those that do best when all are fitted roughly from one start; they go on from there, or from the next."""
-    rough = _each_roughly([replace(each, starts=each.starts[:1]) for each in contenders], problem, workers)
+    """Give those that do best when all are fitted roughly, from where that ended."""
+    rough = _each_roughly(contenders, problem, workers)
     order = sorted(range(len(rough)), key=lambda place: rough[place].cost)[:MOST_PAIRED]
-    return [replace(contenders[place], starts=[rough[place].values, *contenders[place].starts[1:]]) for place in order]
+    return [replace(contenders[place], starts=[rough[place].values]) for place in order]
 
 
 def best_of_each(judged: Sequence[Judged]) -> list[Judged]:

@@ -51,8 +51,11 @@ def test_what_parameters_leave_open_together_is_known_where_the_tests_are(far_fr
 
 
 def test_it_is_told_with_the_law(far_from_1_mm):
-    (line,) = (line for line in doubts(as_read(far_from_1_mm)) if line.startswith("In the middle"))
-    assert "(A 30 mm, f 1 Hz, T 30 °C)" in line
+    first, second = doubts(as_read(far_from_1_mm))
+    assert first.startswith("In the middle of its tests (A 30 mm, f 1 Hz, T 30 °C): 26.2 ")
+    assert second.endswith("outside of these tests, and may be less sure.")
+    around = {**far_from_1_mm.range, "A": Interval(minimum=0.5, maximum=45.0, unit="mm")}
+    assert len(doubts(as_read(far_from_1_mm.model_copy(update={"range": around})))) == 1
 
 
 def test_nothing_is_told_of_a_law_whose_errors_are_unknown(far_from_1_mm):

@@ -527,7 +527,7 @@ def test_a_step_that_does_not_agree_is_named(bench: Path, monkeypatch: pytest.Mo
     file = write_system(bench, laws={"clamp1": 'fmu = "stiff.fmu"'}, more="max_iterations = 2\ntolerance = 1e-12\n")
     run_system(file)  # enclosed where two trials don't do
     monkeypatch.setattr("pipeclamp_system.coupling.bracketing.MOST_SWEEPS", 0)
-    with pytest.raises(UserError, match=r"step \d+ \(t = .*2 trials.*'implicit'.*max_iterations"):
+    with pytest.raises(UserError, match=r"step \d+ \(t = .*2 secants.*'implicit'.*max_iterations"):
         run_system(file)
 
 

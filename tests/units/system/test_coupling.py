@@ -246,7 +246,7 @@ def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
 
 def test_a_step_that_does_not_converge_is_named() -> None:
     system = coupled([smooth(-30_000.0, 0.0, 0.0)], "iterated", 15.0)  # it pushes: no force is enclosed
-    with pytest.raises(UserError, match=r"step \d+ \(t = .* s\).*2 trials.*smaller step_s"):
+    with pytest.raises(UserError, match=r"step \d+ \(t = .* s\).*2 secants.*smaller step_s"):
         list(march(system, Iteration(system, SolverTolerance(1e-12, 2)), 1e-3, 300))
 
 
