@@ -12,7 +12,7 @@ from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import curves_picture, surface_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.signals import REFERENCES, condition_signal
+from pipeclamp_models.base.signals import REFERENCES, signal_in_range
 from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations.symbols import FIXED, SLOW
 from pipeclamp_models.law.file import LawFile, law_of
@@ -55,7 +55,7 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
     compiled = realise(equations)
     own = {str(signal.symbol) for signal in SLOW}
     # a further column has a signal of another name
-    columns = {name if name in own else condition_signal(name): name for name in file.range}
+    columns = {signal_in_range(name): name for name in file.range}
     known = {name: file.range[columns[name]] for name in compiled.slow if name in columns}
     ranges = {
         name: np.linspace(interval.minimum, interval.maximum, POINTS_PER_AXIS)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.loops.energies import loop_energies, metric_slopes
-from pipeclamp_models.base.signals import OWN_SIGNALS, REFERENCES, condition_signal
+from pipeclamp_models.base.signals import REFERENCES, signal_in_range
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
@@ -54,9 +54,8 @@ def loop_in_the_middle(file: LawFile) -> LoopInTheMiddle | None:
         return None
     law, conditions = law_of(file), middle_of_range(file)
     motion = sinusoids(conditions["A"], conditions["f"], conditions.get("T", REFERENCES["T_0"]))
-    signals = {name if name in OWN_SIGNALS.values() else condition_signal(name): name for name in conditions}
-    further = {signal: np.full((1, 1), conditions[name]) for signal, name in signals.items() if name not in motion.slow}
-    motion = replace(motion, slow={**motion.slow, **further})
+    slow = {signal_in_range(name): np.full((1, 1), value) for name, value in conditions.items()}
+    motion = replace(motion, slow={**motion.slow, **slow})
     equations = law.equations
     law_force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
     places = np.array([equations.names.index(name) for name in told.names])

@@ -9,10 +9,11 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
-from pipeclamp_identification.fitting.heldout import follow_condition, is_foretold
+from pipeclamp_identification.fitting.heldout import is_foretold, signal_of_groups
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, IntArray
+from pipeclamp_models.law.outline import levels_taken
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Else
     return {
         name: errors
         for name, errors in every.items()
-        if is_foretold(name, loops, of_the_law) or follow_condition(name, brought)
+        if is_foretold(name, loops, of_the_law) or levels_taken(signal_of_groups(name), brought)
     }
 
 

@@ -7,12 +7,12 @@ from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
-from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels, varies
+from pipeclamp_identification.signals.levels import known_levels, varies
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LawFile, NamedKind, Verdict
-from pipeclamp_models.law.outline import ParameterOutline
+from pipeclamp_models.law.outline import ParameterOutline, levels_taken
 from pipeclamp_models.law.step import LawStep, read_step
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
@@ -78,8 +78,7 @@ def few_levels_words(parameters: Iterable[ParameterOutline], conditions: Mapping
     fitted = tuple(parameters)
     words = []
     for name, values in conditions.items():
-        taken = max((one.levels for one in fitted if condition_signal(name) in one.follows), default=0)
-        levels = sum(level.known for level in number_levels(values, relative=SAME_SHARE))
+        taken, levels = levels_taken(condition_signal(name), fitted), len(known_levels(values))
         if levels <= taken:
             words.append(
                 f"the tests have {levels} levels of {name}, no more than the curve takes by which the law follows it: "

@@ -123,24 +123,37 @@ def _between(repeats: Sequence[IntArray], missed: Array) -> float:
 def _repeats(loops: Loops) -> list[IntArray]:
     """Give the first rows of runs at the same stated conditions, several runs a group."""
     first = np.unique(loops.run, return_index=True)[1]
-    stated = [
-        (loops.amplitude_mm, SAME_SHARE, np.inf),
-        (loops.frequency_Hz, SAME_SHARE, np.inf),
-        (loops.temperature_K, SAME_SHARE, SAME_KELVIN),
-        *((values, SAME_SHARE, np.inf) for values in (loops.density_g_cm3, loops.cycle, *loops.conditions.values())),
-    ]
     keys = [np.unique([name or "" for name in loops.specimen], return_inverse=True)[1][first]]
-    keys += [_same(values[first], relative, absolute) for values, relative, absolute in stated]
+    keys += [*stated_set_points(loops, first), _same(loops.cycle[first])]
     groups = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     members = (first[groups == number] for number in range(groups.max() + 1))
     return [group for group in members if len(group) > 1]
 
 
-def _same(values: Array, relative: float, absolute: float) -> IntArray:
+def stated_set_points(loops: Loops, rows: IntArray) -> list[IntArray]:
+    """Number the set points of each condition that is stated of runs, but for the cycles that they have seen before.
+
+    Args:
+        loops: the tests.
+        rows: one of each run, N of them.
+
+    Returns:
+        shape (N,) each; those of a condition that isn't known share one.
+    """
+    others = (loops.density_g_cm3, *loops.conditions.values())
+    return [
+        _same(loops.amplitude_mm[rows]),
+        _same(loops.frequency_Hz[rows]),
+        _same(loops.temperature_K[rows], SAME_KELVIN),
+        *(_same(values[rows]) for values in others),
+    ]
+
+
+def _same(values: Array, absolute: float = np.inf) -> IntArray:
     """Number the set points that values scatter about; a value that belongs to none is alone."""
     numbers = np.arange(len(values), dtype=np.intp)
-    for level in number_levels(values, relative=relative, absolute=absolute):
+    for level in number_levels(values, relative=SAME_SHARE, absolute=absolute):
         reach = np.ptp(values[level.rows]) if level.known else 0.0
-        if reach <= min(absolute, relative * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf):
+        if reach <= min(absolute, SAME_SHARE * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf):
             numbers[level.rows] = level.rows[0]
     return numbers

@@ -11,12 +11,12 @@ from pipeclamp_identification.fitting.groups import factors_of, find_groups
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import SAME_SHARE, Level, name_levels, number_levels
+from pipeclamp_identification.signals.levels import SAME_SHARE, Level, known_levels, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.law.law import Law
-from pipeclamp_models.law.outline import ParameterOutline
+from pipeclamp_models.law.outline import ParameterOutline, levels_taken
 from pipeclamp_models.realise.force import force_of_law
 
 FOLDS = 8
@@ -89,11 +89,10 @@ def further_groups(loops: Loops) -> dict[str, IntArray]:
     left out (group -1): a description claims nothing beyond its range. Nor are runs of which it isn't known: together
     they are no level.
     """
-    conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3}
     groups = {}
-    for name, values in (conditions | dict(loops.conditions)).items():
-        levels = [level for level in number_levels(values, relative=SAME_SHARE) if level.known]
-        if name in conditions and len(levels) >= 3:
+    for name, values in _further_conditions(loops).items():
+        levels = known_levels(values)
+        if name in OWN_GROUPS and len(levels) >= 3:
             groups[name] = _numbers(levels, len(values))
         elif len(levels) >= 4:
             groups[name] = _numbers(levels[1:-1], len(values))
@@ -111,17 +110,18 @@ def is_foretold(name: str, loops: Loops, fitted: Iterable[ParameterOutline]) -> 
         loops: the tests.
         fitted: the parameters that were fitted.
     """
-    levels = [one.levels for one in fitted if follow_condition(name, [one])]
-    if not levels:
-        return True
-    values = {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}[name]
-    return max(levels) < sum(level.known for level in number_levels(values, relative=SAME_SHARE))
+    taken = levels_taken(signal_of_groups(name), fitted)
+    return not taken or taken < len(known_levels(_further_conditions(loops)[name]))
 
 
-def follow_condition(name: str, parameters: Iterable[ParameterOutline]) -> bool:
-    """Tell whether one of these parameters follows the condition by which groups of this name are left out."""
-    signal = OWN_GROUPS.get(name) or condition_signal(name)
-    return any(signal in parameter.follows for parameter in parameters)
+def signal_of_groups(name: str) -> str:
+    """Give the slow signal of the condition by which groups of this name are left out."""
+    return OWN_GROUPS.get(name) or condition_signal(name)
+
+
+def _further_conditions(loops: Loops) -> dict[str, Array]:
+    """Give each condition beside A and f by the name of its groups, shape (R,)."""
+    return {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}
 
 
 def _numbers(levels: Sequence[Level], count: int) -> IntArray:

@@ -14,6 +14,7 @@ from pipeclamp_identification.signals.sampled_transform import sampled_transform
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.said import few_of
 from pipeclamp_models.base.signals import REFERENCES, condition_signal
 from pipeclamp_models.base.threads import in_threads
 from pipeclamp_models.law.outline import Sizes
@@ -308,7 +309,7 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
         blank = [run for run, there in zip(runs, known, strict=True) if not there]
         raise UserError(
             f"the temperature is known for {known.sum()} of {len(temperature)} runs only, not for "
-            f"{', '.join(blank[:5])}{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, take the "
+            f"{few_of(blank, most=5)}; fill in temperature_C in runs.csv, take the "
             "rows without it out, or blank it everywhere"
         )
     return temperature

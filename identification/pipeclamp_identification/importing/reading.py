@@ -100,8 +100,10 @@ def passed_over_in(given: Sequence[Path]) -> tuple[list[str], list[str]]:
     Returns:
         names of files of no known ending; and of those that are left, for they may describe the others.
     """
-    inside = [(one, _read_of(path)) for path in given if path.is_dir() for one in sorted(path.iterdir())]
-    over = [one for one, read in inside if one.is_file() and one not in read and not one.name.startswith(".")]
+    folders = [path for path in given if path.is_dir()]
+    read = {one for folder in folders for one in _read_of(folder)}
+    inside = (one for folder in folders for one in sorted(folder.iterdir()))
+    over = [one for one in inside if one.is_file() and one not in read and not one.name.startswith(".")]
     return [one.name for one in over if not _formats_named(one)], [one.name for one in over if _formats_named(one)]
 
 

@@ -82,6 +82,11 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
 
 
+def known_levels(values: Array) -> list[Level]:
+    """Give the levels of a numeric condition by which tests are grouped, rising, without those of unknown ones."""
+    return [level for level in number_levels(values, relative=SAME_SHARE) if level.known]
+
+
 def name_levels(names: Sequence[str | None]) -> tuple[Level, ...]:
     """Give the levels of a condition that is a name, in alphabetical order; nameless runs last."""
     found = sorted({name for name in names if name})

@@ -18,7 +18,7 @@ CUT = " [...] "
 END_OF_PLACE = 40
 """Characters that stay of a path at the beginning of a line that is too long, at least: upper folders say least."""
 MOST_NAMED = 8
-"""Texts that are named of many, unless another number is asked."""
+"""Texts that are named of many, unless another number is asked: some files have hundreds of channels."""
 HIDDEN = frozenset(("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"))
 """Categories of Unicode that a terminal obeys, hides or can't show."""
 

@@ -32,6 +32,11 @@ def signal_of(column: str) -> str:
     return OWN_SIGNALS.get(column, condition_signal(column))
 
 
+def signal_in_range(name: str) -> str:
+    """Name the slow signal of a condition that a law's range names: by its signal, a further one by its column."""
+    return name if name in ("A", "f", "T", *OWN_SIGNALS.values()) else condition_signal(name)
+
+
 def size_of(signal: str) -> str:
     """Name the data's scale of a further column's signal: its largest absolute value."""
     return f"{signal}_size"

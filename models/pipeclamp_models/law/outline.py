@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from types import CodeType
@@ -188,3 +188,8 @@ def number_in(quantity: NumberOrExpression, sizes: Sizes) -> float:
 @lru_cache(maxsize=4096)
 def _compiled(expression: str) -> CodeType:
     return compile(expression, "<size>", "eval")
+
+
+def levels_taken(signal: str, parameters: Iterable[ParameterOutline]) -> int:
+    """Give the levels of a slow signal that parameters take which follow it, at most; 0 where none follows it."""
+    return max((one.levels for one in parameters if signal in one.follows), default=0)

@@ -9,6 +9,7 @@ from scipy.special import chdtri
 
 from pipeclamp_identification.diagnosis.noise import MOST_SCATTER
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
+from pipeclamp_identification.diagnosis.repeats import stated_set_points
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_LEFT_SHARE,
     MATERIAL_NOISE_SHARE,
@@ -17,9 +18,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 )
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import mean_squares_of
-from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE
-from pipeclamp_models.base.arrays import Array, BoolArray
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce, force_of_law
 
 IN_PHASE, IN_QUADRATURE = 1, 2
@@ -48,11 +47,10 @@ class RunApart:
         """Say it, and which test tells what it is."""
         left = f"{self.left:.2g} times the noise" if self.left >= MATERIAL_NOISE_SHARE else "next to nothing"
         return (
-            f"run {self.run} stands apart: it holds {self.share:.0%} of what the law leaves beyond scatter, and "
-            "none of its conditions is its own; "
-            f"fitted without it, the law leaves {left} on the others, and the run's stiffness is "
-            f"{self.stiffness:+.0%} and its damping {self.damping:+.0%} off. Measured again, another specimen or "
-            "mounting would come out otherwise, the device itself would not"
+            f"run {self.run} stands apart: it holds {self.share:.0%} of what the law leaves beyond scatter, and none "
+            f"of its conditions is its own; fitted without it, the law leaves {left} on the others, and the run's "
+            f"stiffness is {self.stiffness:+.0%} and its damping {self.damping:+.0%} off. Measured again, another "
+            "specimen or mounting would come out otherwise, the device itself would not"
         )
 
 
@@ -69,12 +67,14 @@ def run_apart(judged: Judged, problem: Problem) -> RunApart | None:
     loops = problem.loops
     before = _excess(problem, judged.result.law_force)
     whole = float(np.maximum(before, 0.0).sum())
-    names, members = np.unique(loops.run, return_inverse=True)
+    names, first, members = np.unique(loops.run, return_index=True, return_inverse=True)
     of_runs = np.bincount(members, weights=before)
     place = int(np.argmax(of_runs))
     own = members == place
-    most = of_runs[place] > RUN_APART_SHARE * whole and _is_beyond_rigs(float(np.mean(before[own])), loops, own)
-    if not most or not _shares_its_conditions(loops, own):
+    off = float(np.mean(before[own]) / np.mean(loops.force_rms_N[own] ** 2))
+    beyond_rigs = off > MOST_SCATTER**2 * chdtri(1, REAL_LACK_CHANCE / len(names))  # in any of so many runs
+    most = of_runs[place] > RUN_APART_SHARE * whole and beyond_rigs
+    if not most or any(np.sum(numbers == numbers[place]) < 2 for numbers in stated_set_points(loops, first)):
         return None
     others = np.flatnonzero(~own)
     structure, values = judged.result.law.structure, judged.result.law.values
@@ -85,36 +85,14 @@ def run_apart(judged: Judged, problem: Problem) -> RunApart | None:
         return None
     measured = np.mean(problem.harmonics.harmonics[own], axis=0)
     computed = np.mean(problem.harmonics.transformed(law_force.force)[own], axis=0)
-    off = measured / np.where(computed == 0, np.nan, computed) - 1
+    more = measured / np.where(computed == 0, np.nan, computed) - 1
     noise = float(np.mean(loops.scatter_rms_N[others] ** 2))
     return RunApart(
         str(names[place]), float(of_runs[place]) / whole, float(np.sqrt(after / noise)),
-        float(off[IN_PHASE]), float(off[IN_QUADRATURE]),
+        float(more[IN_PHASE]), float(more[IN_QUADRATURE]),
     )  # fmt: skip
 
 
 def _excess(problem: Problem, law_force: LawForce) -> Array:
     """Give the mean square of each run's error beyond scatter, N2, shape (R,)."""
     return np.asarray(mean_squares_of(problem.plain_residual(law_force)) - problem.scatter_squares)
-
-
-def _is_beyond_rigs(excess: float, loops: Loops, own: BoolArray) -> bool:
-    """Tell whether a run errs by more than rigs scatter, but for next to no chance, in any of so many runs."""
-    off = excess / float(np.mean(loops.force_rms_N[own] ** 2))
-    return bool(off > MOST_SCATTER**2 * chdtri(1, REAL_LACK_CHANCE / len(np.unique(loops.run))))
-
-
-def _shares_its_conditions(loops: Loops, own: BoolArray) -> bool:
-    """Tell whether other runs are at each of the conditions of a run, if not at all of them at once."""
-    columns = (
-        (loops.amplitude_mm, np.inf), (loops.frequency_Hz, np.inf), (loops.temperature_K, SAME_KELVIN),
-        *((values, np.inf) for values in (loops.density_g_cm3, *loops.conditions.values())),
-    )  # fmt: skip
-    return all(_is_shared(values, own, absolute) for values, absolute in columns)
-
-
-def _is_shared(values: Array, own: BoolArray, absolute: float) -> bool:
-    """Tell whether others are at the level of a run, or the column says nothing of it."""
-    level = float(np.mean(values[own]))
-    reach = min(SAME_SHARE * abs(level), absolute)
-    return not np.isfinite(level) or bool(np.any(np.abs(values[~own] - level) <= reach))

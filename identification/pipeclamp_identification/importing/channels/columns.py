@@ -19,7 +19,6 @@ from pipeclamp_models.base.shell import quoted
 from pipeclamp_models.base.units import unit_shown
 
 OR_UNTIMED = "or --rate none where time was not measured, as in a quasi-static test"
-"""Channels or choices that an error names; some files have hundreds."""
 ODD = re.compile(r"^[-#]|^none$|,\s*[A-Za-z_]\w*\s*=|,$", re.IGNORECASE)
 """Names of channels that would be read as something else."""
 ALIKE = 0.75
