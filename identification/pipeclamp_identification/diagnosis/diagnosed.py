@@ -129,7 +129,8 @@ class RecordDiagnosed:
         by_sensors = any(fault.done == "kept" for fault in self.comparison.campaign.faults)
         elsewhere = by_sensors or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
         enough = int(amplitude_and_frequency_groups(diagnosis.problem.loops).max()) + 1 >= FEWEST_GROUPS
-        return enough and not elsewhere and self._run_apart is None
+        apart = self._run_apart is not None and not self._run_apart.at_a_corner
+        return enough and not elsewhere and not apart
 
     @property
     def leaves_means_open(self) -> bool:

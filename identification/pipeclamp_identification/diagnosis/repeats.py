@@ -124,29 +124,27 @@ def _repeats(loops: Loops) -> list[IntArray]:
     """Give the first rows of runs at the same stated conditions, several runs a group."""
     first = np.unique(loops.run, return_index=True)[1]
     keys = [np.unique([name or "" for name in loops.specimen], return_inverse=True)[1][first]]
-    keys += [*stated_set_points(loops, first), _same(loops.cycle[first])]
+    keys += [*(places for _, places in stated_conditions(loops, first)), _same(loops.cycle[first])]
     groups = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     members = (first[groups == number] for number in range(groups.max() + 1))
     return [group for group in members if len(group) > 1]
 
 
-def stated_set_points(loops: Loops, rows: IntArray) -> list[IntArray]:
-    """Number the set points of each condition that is stated of runs, but for the cycles that they have seen before.
+def stated_conditions(loops: Loops, rows: IntArray) -> list[tuple[Array, IntArray]]:
+    """Give each condition that is stated of runs, with its set points, but for the cycles that they have seen before.
 
     Args:
         loops: the tests.
         rows: one of each run, N of them.
 
     Returns:
-        shape (N,) each; those of a condition that isn't known share one.
+        for each condition its values, nan where not known, and which run's place stands for the set point, shape (N,)
+        each; those of a condition that isn't known share one.
     """
-    others = (loops.density_g_cm3, *loops.conditions.values())
-    return [
-        _same(loops.amplitude_mm[rows]),
-        _same(loops.frequency_Hz[rows]),
-        _same(loops.temperature_K[rows], SAME_KELVIN),
-        *(_same(values[rows]) for values in others),
-    ]
+    fixed = (loops.amplitude_mm, loops.frequency_Hz, loops.density_g_cm3)
+    values = [each[rows] for each in (*fixed, *loops.conditions.values())]
+    temperatures = loops.temperature_K[rows]
+    return [(temperatures, _same(temperatures, SAME_KELVIN)), *((each, _same(each)) for each in values)]
 
 
 def _same(values: Array, absolute: float = np.inf) -> IntArray:

@@ -47,7 +47,14 @@ def test_a_run_of_another_specimen_is_named_with_what_it_is_off_by(factor, tmp_p
     assert found is not None and found.run == problem.loops.run[4]
     assert found.share > 0.8 and found.left < 0.5
     assert (found.stiffness, found.damping) == pytest.approx((factor - 1, factor - 1), abs=0.02)
-    assert f"{factor - 1:+.0%} and its damping" in found.words()
+    assert f"{factor - 1:+.0%} and its damping" in found.words() and not found.at_a_corner
+
+
+def test_of_a_run_at_a_corner_it_is_said_that_what_the_law_lacks_may_grow_to_there(tmp_path):
+    problem, law = base_law_on(written(tmp_path / "tests", odd=8, factor=1.25))
+    found = run_apart(law, problem)
+    assert found is not None and found.run == problem.loops.run[8] and found.at_a_corner
+    assert "What the law lacks may grow to there" in found.words()
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.02])
