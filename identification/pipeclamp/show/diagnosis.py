@@ -8,7 +8,7 @@ from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.answer import RungAnswer, diagnosis_answer
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
-from pipeclamp_identification.diagnosis.foretold import explained_share, held_against
+from pipeclamp_identification.diagnosis.foretold import Elsewhere, explained_share, held_against
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
@@ -18,20 +18,18 @@ from pipeclamp_identification.workflow.tests import Diagnosed
 
 LEAST_HELP = 0.005
 """A candidate that takes less than half a percent of what is missing, which is shown as 0, does nothing."""
-WORSE = 1.02
-"""An error on left-out conditions that rises by less is the same."""
 NO_GAIN = "fitted to all tests it takes no more than its parameters cost"
 
 
 def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
     """Say what speaks against a candidate: its parameters, the fit to all, left-out conditions, a simpler effect."""
     law = diagnosis.law
-    errors = {left_out_at_once(diagnosis.loops): (law.heldout_nrmse, candidate.heldout_nrmse)}
+    errors = {left_out_at_once(diagnosis.loops): Elsewhere(law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= held_against(candidate, law, diagnosis.loops)
     worse = (
-        f"on left-out {name} the estimated error rises from {before:.2%} to {after:.2%}"
-        for name, (before, after) in errors.items()
-        if after > WORSE * before
+        f"on left-out {name} the estimated error rises from {error.law:.2%} to {error.candidate:.2%}"
+        for name, error in errors.items()
+        if error.rises
     )
     simpler = simpler_words(candidate, diagnosis.candidates, law, diagnosis.tolerance)
     idle = [NO_GAIN] if candidate.akaike >= law.akaike else []

@@ -34,6 +34,9 @@ conditions: any effect takes some of a wrong form."""
 MATERIAL_PART_SHARE = 0.05
 """A part that is worth a rung takes this share of the mean-square lack of fit: the error beyond scatter falls by a
 fortieth."""
+SAME_ERROR_SHARE = 0.02
+"""An error (rms) on left-out temperatures, specimens or further conditions that rises by less is the same: an effect
+that doesn't follow these moves it by a hair either way."""
 BEYOND_DOUBT_DRAWS_SHARE = 0.975
 """And it gains on left-out groups in more than this share of draws of them with replacement."""
 NEAR_NOISE_SHARE = 5.0

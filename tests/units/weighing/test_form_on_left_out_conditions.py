@@ -116,3 +116,14 @@ def test_an_effect_is_asked_for_levels_that_are_foretold(temperatures, curve, br
     monkeypatch.setattr("pipeclamp.show.diagnosis.left_out_at_once", lambda loops: "A, f")
     said = against(better, SimpleNamespace(law=law, loops=loops, candidates=[better], tolerance=1.0))
     assert any(SAYS_WORSE in words for words in said) is asked
+
+
+@pytest.mark.parametrize(("after", "taken"), [(0.0301, True), (0.0320, False)])
+def test_a_hair_on_left_out_temperatures_is_held_against_no_effect(after, taken):
+    """The table had said that nothing speaks against it, and the verdict that it can't be named."""
+    loops = SimpleNamespace(
+        temperature_K=np.repeat([293.0, 333.0, 373.0, 413.0], 2), density_g_cm3=np.full(8, np.nan), conditions={}
+    )
+    law = judged([K.name], [K, SLOPE], 10.0, 0.03, 100.0)
+    better = judged([K.name, "c1"], [K, SLOPE, parameter("c1")], 1.0, after, 50.0)
+    assert takes_part(better, law, SimpleNamespace(loops=loops, groups=np.arange(8))) is taken

@@ -129,7 +129,7 @@ def _why_not(best: Judged, law: Judged, problem: Problem) -> str:
     worse = [
         f"on left-out {name} the error goes from {error.law:.2%} to {error.candidate:.2%}"
         for name, error in held_against(best, law, problem.loops).items()
-        if error.candidate >= error.law
+        if error.rises
     ]
     if worse:
         why = "; ".join(worse)
