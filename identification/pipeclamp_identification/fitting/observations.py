@@ -297,7 +297,7 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
 
     Args:
         temperature: K, nan where it isn't known, shape (R,).
-        runs: names of the runs.
+        runs: names of the runs; several rows of one share its name.
 
     Raises:
         UserError: it is known for some runs only.
@@ -306,9 +306,10 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
     if not known.any():
         return np.full(len(temperature), float(REFERENCES["T_0"]))
     if not known.all():
-        blank = [run for run, there in zip(runs, known, strict=True) if not there]
+        every = list(dict.fromkeys(runs))
+        blank = list(dict.fromkeys(run for run, there in zip(runs, known, strict=True) if not there))
         raise UserError(
-            f"the temperature is known for {known.sum()} of {len(temperature)} runs only, not for "
+            f"the temperature is known for {len(every) - len(blank)} of {len(every)} runs only, not for "
             f"{few_of(blank, most=5)}; fill in temperature_C in runs.csv, take the "
             "rows without it out, or blank it everywhere"
         )
