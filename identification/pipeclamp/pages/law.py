@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import curves_picture, surface_picture
 from pipeclamp.show.law import coefficient_table, doubts
+from pipeclamp_identification.comparison.in_the_middle import middle_of_range
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import REFERENCES, signal_in_range
 from pipeclamp_models.base.units import unit_shown
@@ -63,7 +64,8 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
         if interval.maximum > interval.minimum
     }
     unknown = {} if "T" in file.range else {"T": float(REFERENCES["T_0"])}
-    middle = unknown | {name: (interval.minimum + interval.maximum) / 2 for name, interval in known.items()}
+    middles = middle_of_range(file)
+    middle = unknown | {name: middles[columns[name]] for name in known}
     values = [law.values[name] for name in equations.names]
 
     def level(index: int, along: dict[str, Array]) -> Array:
