@@ -22,6 +22,8 @@ from pipeclamp_models.realise.arrays import realise
 from pipeclamp_models.realise.reading.text import equation_lines, law_statements
 
 POINTS_PER_AXIS = 40
+FLAT = 1e-3
+"""Over a condition by which a coefficient changes by less than this share of itself nothing is drawn."""
 
 
 def law_sections(file: LawFile) -> list[Section]:
@@ -51,7 +53,7 @@ def _fixed_words(law: Law) -> list[str]:
 
 
 def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
-    """Draw each coefficient over each pair of conditions it depends on, the others at the middle of the range."""
+    """Draw each coefficient over each pair of conditions it varies with, the others at the middle of the range."""
     equations = law.equations
     compiled = realise(equations)
     own = {str(signal.symbol) for signal in SLOW}
@@ -77,7 +79,8 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
     for index, coefficient in enumerate(equations.composed.coefficients):
         free = {str(symbol) for symbol in coefficient.expression.free_symbols}
         # a further condition is a coefficient of its own: over itself it says nothing
-        varied = [name for name in ranges if name in free and not coefficient.expression.is_Symbol]
+        follows = [name for name in ranges if name in free and not coefficient.expression.is_Symbol]
+        varied = [name for name in follows if not _is_flat(level(index, {name: ranges[name]}))]
         label = f"{coefficient.symbol} / {unit_shown(coefficient.unit)}"
         axes = {name: f"{name} / {unit_shown(known[name].unit)}" if name in own else columns[name] for name in varied}
         for x, y in itertools.combinations(varied, 2):
@@ -89,3 +92,7 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
             curve = (str(coefficient.symbol), ranges[x].tolist(), level(index, {x: ranges[x]}).tolist(), "lines")
             figures.append(curves_picture(axes[x], label, [curve], f"{coefficient.symbol}({x})"))
     return figures
+
+
+def _is_flat(values: Array) -> bool:
+    return bool(np.ptp(values) <= FLAT * np.max(np.abs(values)))
