@@ -8,7 +8,12 @@ from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.answer import RungAnswer, diagnosis_answer
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
-from pipeclamp_identification.diagnosis.foretold import Elsewhere, explained_share, held_against
+from pipeclamp_identification.diagnosis.foretold import (
+    Elsewhere,
+    explained_share,
+    held_against,
+    worse_between_levels,
+)
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
@@ -26,6 +31,7 @@ def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
     law = diagnosis.law
     errors = {left_out_at_once(diagnosis.loops): Elsewhere(law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= held_against(candidate, law, diagnosis.loops)
+    errors |= worse_between_levels(candidate, law, diagnosis.loops)
     worse = (
         f"on left-out {name} the estimated error rises from {error.law:.2%} to {error.candidate:.2%}"
         for name, error in errors.items()

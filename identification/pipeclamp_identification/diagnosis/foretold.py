@@ -108,21 +108,34 @@ def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Else
     Where the law follows a condition by a curve that the levels that are left don't determine, what it errs on the one
     left out says nothing, and with a candidate that leaves that curve as it is no more.
 
+    A candidate that follows a further condition is held against all levels of it, those at its ends, which are never
+    left out, by groups. A law that doesn't follow it is right in the middle if anywhere: by the levels between alone
+    it would seem to foretell better than a curve that is off there, and is off by far more at the ends.
+
     Args:
         candidate: the law with more, or with something in its place.
         law: the law.
         loops: the tests.
     """
-    every = {name: Elsewhere(error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
-    if not every:
+    if not law.heldout_by:
         return {}
     of_the_law = law.result.fitted_parameters
     brought = [each for each in candidate.result.fitted_parameters if each.name not in law.result.equations.names]
-    return {
-        name: errors
-        for name, errors in every.items()
-        if is_foretold(name, loops, of_the_law) or levels_taken(signal_of_groups(name), brought)
-    }
+    found = {}
+    for name, error in law.heldout_by.items():
+        follows = levels_taken(signal_of_groups(name), brought) > 0
+        if follows and name in law.over_range:
+            found[name] = Elsewhere(law.over_range[name], candidate.over_range[name])
+        elif follows or is_foretold(name, loops, of_the_law):
+            found[name] = Elsewhere(error, candidate.heldout_by[name])
+    return found
+
+
+def worse_between_levels(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Elsewhere]:
+    """Give the further conditions that a candidate follows, and whose levels it foretells worse from the others."""
+    held = held_against(candidate, law, loops)
+    between = {name: Elsewhere(law.heldout_by[name], candidate.heldout_by[name]) for name in held}
+    return {name: errors for name, errors in between.items() if errors.rises and not held[name].rises}
 
 
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:

@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.objections import objections, of_groups,
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
-from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
+from pipeclamp_identification.fitting.heldout import condition_groups, further_groups, kept_at_ends
 from pipeclamp_identification.fitting.identify import ages, fit_structure
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import linearised
@@ -101,6 +101,11 @@ class Problem:
         return find_groups(self.loops, self.harmonics, law_force)
 
     @cached_property
+    def ends(self) -> dict[str, BoolArray]:
+        """Tell of each further condition which runs are at its ends, and left out with their A and f; shape (R,)."""
+        return {name: ends & (self.groups >= 0) for name, ends in kept_at_ends(self.loops).items()}
+
+    @cached_property
     def scatter_squares(self) -> Array:
         """Mean square of each run's error that scatter alone makes, N2, shape (R,)."""
         variance = np.where(self.noise.variance < UNSEEN_VARIANCE, self.noise.total_variance(), 0.0)
@@ -130,6 +135,8 @@ class Judged:
             what follows the conditions in the fit to all, summed over the runs.
         heldout_nrmse: error on left-out groups as a share of the force, scatter included.
         heldout_by: the same for other groups that were left out (temperatures, specimens, further conditions).
+        over_range: the same over all levels of each further condition: runs at its ends, which are never left out with
+            their level, count as left out with their A and f.
         objections: why it can't be named, in words; empty where nothing speaks against it.
         reservations: why it can't be named as the cause, in words.
         akaike: Akaike's criterion of the fit to all data: squares, what free means cost, two per parameter.
@@ -143,6 +150,7 @@ class Judged:
     missing: float
     heldout_nrmse: float
     heldout_by: Mapping[str, float]
+    over_range: Mapping[str, float]
     objections: tuple[str, ...]
     reservations: tuple[str, ...]
     akaike: float
@@ -259,9 +267,16 @@ def judge(
     )
     beyond = float(problem.excess_squares(score)[left_out].sum())
     missing = max(beyond, lack.excess * np.count_nonzero(left_out))
+    scores = {name: without.score(groups) for name, groups in problem.further_groups.items()}
     further = {
-        name: _share_of_force(without.score(groups), problem.loops, groups >= 0)
+        name: _share_of_force(scores[name], problem.loops, groups >= 0)
         for name, groups in problem.further_groups.items()
+    }
+    over_range = {
+        name: _share_of_force(
+            _with_ends(scores[name], score, ends), problem.loops, ends | (problem.further_groups[name] >= 0)
+        )
+        for name, ends in problem.ends.items()
     }
     error = _share_of_force(score, problem.loops, left_out)
     price = _price_of_free_means(result, problem)
@@ -269,7 +284,7 @@ def judge(
     akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
     lean = replace(result, law_force=replace(result.law_force, jacobian=None))
     return Judged(
-        effects, lean, fitted, score, lack, missing, error, further,
+        effects, lean, fitted, score, lack, missing, error, further, over_range,
         objections(effects, result), (*reservations(effects, result), *of_groups(effects, structure, problem.factors)),
         akaike,
     )  # fmt: skip
@@ -300,6 +315,12 @@ def _share_of_force(score: LeftOutScore, loops: Loops, left_out: BoolArray) -> f
     """Give the error on the runs that are left out as a share of their force, scatter included."""
     squares = score.mean_squares + loops.noise_rms_N**2
     return float(np.sqrt(np.sum(squares[left_out]) / np.sum(loops.force_rms_N[left_out] ** 2)))
+
+
+def _with_ends(by_level: LeftOutScore, by_group: LeftOutScore, ends: BoolArray) -> LeftOutScore:
+    """Give the score of levels that are left out, and at a condition's ends that of groups that are."""
+    squares = np.where(ends, by_group.squares, by_level.squares)
+    return LeftOutScore(squares, np.where(ends, by_group.mean_squares, by_level.mean_squares))
 
 
 @dataclass(frozen=True)

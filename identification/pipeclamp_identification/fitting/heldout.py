@@ -12,7 +12,7 @@ from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, Level, known_levels, name_levels, number_levels
-from pipeclamp_models.base.arrays import Array, IntArray
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.law.law import Law
@@ -100,6 +100,19 @@ def further_groups(loops: Loops) -> dict[str, IntArray]:
     if len(specimens) >= 2:
         groups["specimen"] = _numbers(specimens, len(loops.specimen))
     return groups
+
+
+def kept_at_ends(loops: Loops) -> dict[str, BoolArray]:
+    """Tell by each further condition which runs are at its lowest or highest level, and are never left out by it.
+
+    Returns:
+        shape (R,) by name of `further_groups`, where levels between are left out.
+    """
+    found = {}
+    for name in further_groups(loops).keys() & loops.conditions.keys():
+        levels = known_levels(loops.conditions[name])
+        found[name] = np.isin(np.arange(len(loops.run)), np.concatenate([levels[0].rows, levels[-1].rows]))
+    return found
 
 
 def is_foretold(name: str, loops: Loops, fitted: Iterable[ParameterOutline]) -> bool:

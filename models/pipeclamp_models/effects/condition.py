@@ -86,6 +86,7 @@ def follow(argument: str) -> Effect:
         "logarithms do, so that none changes its sign",
         looks_like=f"error that follows {argument}",
         imitated_by=(),
+        special_cases=("offset",),  # of a column that hardly varies
         told_apart_by=f"{argument} varied in another order than the other conditions",
         parameters=tuple(parameters),
         scales=scales,

@@ -13,6 +13,15 @@ def cost(start):
     return sum((start[name] - value) ** 2 for name, value in BEST.items()) + 0.3 * abs(start["a"] * start["c"] - 6.0)
 
 
+def test_what_a_step_leaves_of_residuals_that_are_far_off_is_no_rounding():
+    """A start off by 1e17 times the noise had promised more than there was, and hid what fits: below zero was left."""
+    random = np.random.default_rng(2)
+    jacobian, unexplained = random.standard_normal((600, 8)), random.standard_normal(600)
+    unexplained -= jacobian @ np.linalg.lstsq(jacobian, unexplained, rcond=None)[0]
+    far = Linearised(tuple("abcdefgh"), jacobian @ np.full(8, 3e7) + unexplained, jacobian)
+    assert far.cost_after_one_step() == pytest.approx(unexplained @ unexplained / 2, rel=1e-6)
+
+
 def test_few_starts_are_all_combined_without_a_look_at_them():
     found = most_promising(CHOICES[:2], cost=None)
     assert found == combined(CHOICES[:2]) == [{"a": float(value), "b": 0.0} for value in range(4)]

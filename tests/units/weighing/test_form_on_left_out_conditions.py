@@ -87,7 +87,7 @@ def judged(names, fitted, squares, on_temperature, akaike):
     return SimpleNamespace(
         effects=("viscous",), result=SimpleNamespace(fitted_parameters=fitted, equations=SimpleNamespace(names=names)),
         score=score, missing=8 * squares, heldout_nrmse=squares, heldout_by={"temperature": on_temperature},
-        akaike=akaike, lack=SimpleNamespace(share=2.0, rms=2.0), objections=(), reservations=(),
+        over_range={}, akaike=akaike, lack=SimpleNamespace(share=2.0, rms=2.0), objections=(), reservations=(),
     )  # fmt: skip
 
 

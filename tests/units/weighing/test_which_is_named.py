@@ -28,7 +28,7 @@ def candidate(effect, left, squares, structure="power"):
     return SimpleNamespace(
         effects=(effect,), result=SimpleNamespace(law=law, equations=NAMES, fitted_parameters=()), score=score,
         missing=6 * left,
-        squares=squares, akaike=squares, objections=(), may_be_cause=True,
+        squares=squares, akaike=squares, heldout_by={}, objections=(), may_be_cause=True,
         lack=SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0),
     )  # fmt: skip
 
@@ -413,7 +413,7 @@ def test_an_effect_that_only_lets_mean_forces_go_is_objected_to(mean, first, obj
     """A zero that crept with the cycles had been slip's part: of an element that never slipped, and held any mean."""
     left = {"as it is": residuals(mean, 6.0), "with slip": residuals(0.0, first)}
     law, slip = (
-        Judged((), SimpleNamespace(law_force=name), None, None, None, 0.0, 0.1, {}, (), (), 0.0) for name in left
+        Judged((), SimpleNamespace(law_force=name), None, None, None, 0.0, 0.1, {}, {}, (), (), 0.0) for name in left
     )  # fmt: skip
     problem = SimpleNamespace(
         harmonics=SimpleNamespace(open_means=lambda force: np.full(6, force == "with slip")),

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fit
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, SAME_PART_SHARE
 from pipeclamp_identification.diagnosis.weighing.between_levels import rests_on
 from pipeclamp_identification.diagnosis.weighing.causes import named_together
-from pipeclamp_identification.diagnosis.weighing.reasons import immaterial_words
+from pipeclamp_identification.diagnosis.weighing.reasons import curve_words, immaterial_words
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
@@ -66,6 +66,7 @@ def one_part(
     others = tuple(each for each in best_of_each(able) if effect_id(each.effects[0]) not in named)
     takes = f"{best.effects[0]} takes {_of_what_is_missing(best, scales.law)}"
     form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
+    form += curve_words(best, scales.law, scales.problem)
     if len(names) > 1:
         alike_words = f"{takes}; {' and '.join(names[1:])} would take much the same part"
         return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form), others)

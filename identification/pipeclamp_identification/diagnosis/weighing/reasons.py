@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter, explained_share, held_against, takes_part
+from pipeclamp_identification.diagnosis.foretold import (
+    ErrorBeyondScatter,
+    explained_share,
+    held_against,
+    takes_part,
+    worse_between_levels,
+)
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
@@ -86,6 +92,15 @@ def between_words(worst: LeftOutLevel) -> str:
         f"the law fits the tests at {worst.condition} = {worst.level}, but fitted to the others alone it "
         f"foretells them {newtons(worst.rms)} ({worst.share:.2g} times the force noise) worse: it isn't to be trusted "
         f"between the levels tested; test at values of {worst.condition} in between"
+    )
+
+
+def curve_words(best: Judged, law: Judged, problem: Problem) -> tuple[str, ...]:
+    """Say that an effect follows a condition by a curve that isn't to be trusted between the levels tested."""
+    return tuple(
+        f"between the levels of {name} that were tested its curve isn't to be trusted: left out, they are foretold "
+        f"with an error of {errors.candidate:.2%}, without it {errors.law:.2%}; test at values of {name} in between"
+        for name, errors in worse_between_levels(best, law, problem.loops).items()
     )
 
 
