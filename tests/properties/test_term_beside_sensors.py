@@ -1,4 +1,4 @@
-"""A sensor's fault that was taken off the records stands in the way of no search for a term."""
+"""A sensor's fault that was taken off the records, or mains hum in them, stands in the way of no search for a term."""
 
 from dataclasses import replace
 
@@ -31,15 +31,22 @@ def faulty(run, number, fault):
         force = force + np.ptp(force) * np.linspace(0.0, 0.1, len(force))
     if fault == "falling gain":
         force = force * np.linspace(1.0, 0.9, len(force))
+    if fault == "hum":
+        force = force + 0.004 * np.ptp(force) * np.sin(2 * np.pi * 46.6 * record.time_s + number)
     return replace(run, record=replace(record, force_N=force))
 
 
 @pytest.mark.parametrize(
     ("fault", "done", "called"),
-    [("none", [], True), ("drifting zero", ["corrected"], True), ("falling gain", ["kept"], False)],
+    [
+        ("none", [], True),
+        ("hum", [], True),
+        ("drifting zero", ["corrected"], True),
+        ("falling gain", ["kept"], False),
+    ],
 )
 def test_a_term_is_sought_unless_the_fault_is_in_what_is_left(tmp_path, fault, done, called):
-    """The next command had been `compare` wherever a sensor had been at fault in one run."""
+    """The next command had been `compare` wherever a sensor had been at fault in one run, or mains hum was seen."""
     runs = virtual_runs(Law(Structure("power", ()), BASE, 0.0126, 0.002), PLAN)
     tests = [faulty(run, number, fault) for number, run in enumerate(runs)]
     write_campaign(tmp_path / "tests", tests, name="virtual", notes="")
@@ -48,4 +55,5 @@ def test_a_term_is_sought_unless_the_fault_is_in_what_is_left(tmp_path, fault, d
     with few_effects("offset"):
         found = diagnosed(law_file(identify(campaign), campaign, name="law", provenance=Provenance("test")), campaign)
     assert found.verdict == "unknown"
+    assert found.diagnosis.leftover.not_periodic is (fault == "hum")
     assert found.calls_for_a_term is called

@@ -109,14 +109,13 @@ def find_cycles(record: Record) -> Cycles:
         raise UnusableRecord(f"no full cycle: {len(time)} samples over {duration:g} s")
     frequency = _coarse_frequency(time, y, interval)
     _require_samples(time, y, frequency, interval)
-    # what is coarse needs few samples; the frequency's last digits and the loops take all of them
-    stride = max(1, int(1.0 / (SAMPLES_ENOUGH * frequency * interval)))
-    first, last = _steady_samples(time[::stride], y[::stride], frequency, interval * stride)
-    first, last = first * stride, min(last * stride, len(time))
-    if frequency * (time[last - 1] - time[first]) > MANY:
-        stride = max(1, int(1.0 / (SAMPLES_OF_MANY * frequency * interval)))
-    frequency, rest = _fitted_sine(time[first:last:stride], y[first:last:stride], frequency)
+    first, last, frequency, rest = _steady_sine(time, y, frequency, interval)
     _require_vibration(y, frequency, rest)
+    if first > 0 or last < len(time):
+        # a ramp draws the coarse frequency away: its cycles don't close, and what follows them so roughly may be ramp
+        first, last, frequency, _ = _steady_sine(time, y, frequency, interval)
+    if first > 0:
+        first += _over(time[first:last], frequency, interval)
     bounds = first + _bounds(time[first:last], frequency, interval)
     fresh = False
     if len(bounds) > 2:
@@ -269,6 +268,29 @@ def _bounds(time: Array, frequency: float, interval: float) -> IntArray:
     # rounding must not push a sample that lies on a boundary into the cycle before
     edges = np.arange(whole + 1) - 1e-9
     return np.searchsorted(elapsed, edges)
+
+
+def _over(time: Array, frequency: float, interval: float) -> int:
+    """Return how many of steady samples are over, where whole cycles end with the last of them.
+
+    After a ramp these go: the displacement may be steady, and the force still remembers how it came to be.
+    """
+    whole = len(_bounds(time, frequency, interval)) - 1
+    over = float(time[-1] - time[0]) + interval - whole / frequency
+    return int(np.searchsorted(time, time[0] + over - 1e-9 / frequency)) if whole and over > 0 else 0
+
+
+def _steady_sine(time: Array, y: Array, frequency: float, interval: float) -> tuple[int, int, float, float]:
+    """Return the first steady sample, the one after the last, their frequency and what its sine leaves of them.
+
+    What is coarse needs few samples; the frequency's last digits and the loops take all of them.
+    """
+    stride = max(1, int(1.0 / (SAMPLES_ENOUGH * frequency * interval)))
+    first, last = _steady_samples(time[::stride], y[::stride], frequency, interval * stride)
+    first, last = first * stride, min(last * stride, len(time))
+    if frequency * (time[last - 1] - time[first]) > MANY:
+        stride = max(1, int(1.0 / (SAMPLES_OF_MANY * frequency * interval)))
+    return first, last, *_fitted_sine(time[first:last:stride], y[first:last:stride], frequency)
 
 
 def _steady_samples(time: Array, y: Array, frequency: float, interval: float) -> tuple[int, int]:

@@ -127,7 +127,9 @@ class RecordDiagnosed:
             return False
         # what was taken off the records, or left out with them, isn't in what is left
         by_sensors = any(fault.done == "kept" for fault in self.comparison.campaign.faults)
-        elsewhere = by_sensors or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
+        # what doesn't repeat with each cycle is in the noise, and more than that something else
+        lines = diagnosis.leftover.not_periodic and diagnosis.law.lack.sure_share <= 1.0
+        elsewhere = by_sensors or lines or diagnosis.is_adequate(diagnosis.law)
         enough = int(amplitude_and_frequency_groups(diagnosis.problem.loops).max()) + 1 >= FEWEST_GROUPS
         apart = self._run_apart is not None and not self._run_apart.at_a_corner
         return enough and not elsewhere and not apart

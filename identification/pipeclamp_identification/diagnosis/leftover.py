@@ -29,6 +29,8 @@ WORTH_SAYING = 0.4
 """A weaker rank correlation is nothing that can be seen in a picture."""
 TOLD_CHANCE = 0.01
 """Correlations that chance makes more often than this are not told."""
+MOST_TRENDS = 2
+"""Trends that are told: conditions that went together in the tests all show the same one."""
 MOST_LINES_NAMED = 4
 """Lines that are named one by one."""
 NEIGHBOURS = 30
@@ -91,7 +93,8 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     # An average leaves noise with zeros of its own, beside which anything looks like a line.
     smoothed = bool(campaign.smoothing.force)
     lines = () if smoothed else time_locked_lines(campaign, misfits)
-    words = (_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem))
+    found = (_harmonic_words(judged), _place_words(shape, phase))
+    words = (*found, *_condition_words(residual, problem), *_trend_words(residual, problem))
     not_periodic = []
     if lines:
         named = few_of([f"{line:.2f} Hz" for line in lines], MOST_LINES_NAMED)
@@ -167,21 +170,62 @@ def _place_words(shape: Array, phase: Array) -> str:
     return f"along the loop it is largest {place} ({branch}, {angle:.0f}° after the largest displacement)"
 
 
-def _condition_words(residual: Array, problem: Problem) -> list[str]:
-    """Say with which conditions it grows: rank correlation of each run's residual with the conditions."""
-    loops = problem.loops
-    size = np.log(np.sqrt(np.sum(residual**2, axis=1)) + 1e-9)
+def _varied(loops: Loops) -> dict[str, Array]:
+    """Give the conditions that are known of all runs and vary, by name, shape (R,) each."""
     columns = {
         "A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K, "density": loops.density_g_cm3,
         "cycle number": loops.cycle, **loops.conditions,
     }  # fmt: skip
-    words = []
-    for name, values in columns.items():
-        if np.all(np.isfinite(values)) and np.ptp(values) > HELD_CONSTANT_SHARE * np.max(np.abs(values)):
-            slope = rank_correlation(values, size)
-            if abs(slope) > WORTH_SAYING and of_rank_correlation(slope, len(values)) < TOLD_CHANCE:
-                words.append(f"it {'grows' if slope > 0 else 'falls'} with {name} (rank correlation {slope:.2f})")
-    return words
+    return {
+        name: values
+        for name, values in columns.items()
+        if np.all(np.isfinite(values)) and np.ptp(values) > HELD_CONSTANT_SHARE * np.max(np.abs(values))
+    }
+
+
+def _correlation(values: Array, of: Array) -> float:
+    """Give the rank correlation of what is of runs with a condition; 0 where it isn't worth saying, or chance."""
+    slope = rank_correlation(values, of)
+    worth = abs(slope) > WORTH_SAYING and of_rank_correlation(slope, len(values)) < TOLD_CHANCE
+    return slope if worth else 0.0
+
+
+def _condition_words(residual: Array, problem: Problem) -> list[str]:
+    """Say with which conditions it grows: rank correlation of each run's residual with the conditions."""
+    size = np.log(np.sqrt(np.sum(residual**2, axis=1)) + 1e-9)
+    slopes = {name: _correlation(values, size) for name, values in _varied(problem.loops).items()}
+    return [
+        f"it {'grows' if slope > 0 else 'falls'} with {name} (rank correlation {slope:.2f})"
+        for name, slope in slopes.items()
+        if slope
+    ]
+
+
+def _trend_words(residual: Array, problem: Problem) -> list[str]:
+    """Say over which conditions stiffness and damping go another way than the law's, the clearest first.
+
+    Where a law is too stiff at one end and too soft at the other, what is left is as large at both.
+    """
+    off = problem.noise.directions
+    found: list[tuple[float, str]] = []
+    for what, direction in (("stiffness", off.elastic), ("damping", off.damping)):
+        squares = np.sum(direction**2, axis=1)
+        if not np.all(squares > 0):
+            continue
+        share = np.sum(residual * direction, axis=1) / squares
+        for name, values in _varied(problem.loops).items():
+            slope = _correlation(values, share)
+            low, high = (
+                float(np.median(share[end]))
+                for end in (values <= np.quantile(values, 1 / 3), values >= np.quantile(values, 2 / 3))
+            )
+            if not slope or low * high >= 0:
+                continue
+            way = "rises" if slope > 0 else "falls"
+            ends = f"{100 * low:+.2g}% in the lowest third of it, {100 * high:+.2g}% in the highest"
+            words = f"its {what} {way} with {name} against the law's: {ends} (rank correlation {slope:.2f})"
+            found.append((-abs(slope), words))
+    return [words for _, words in sorted(found)[:MOST_TRENDS]]
 
 
 def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates: Array) -> tuple[float, ...]:

@@ -44,5 +44,5 @@ def rank_correlation(one: Array, other: Array) -> float:
 def of_rank_correlation(correlation: float, count: int) -> float:
     """Give the chance of a larger rank correlation, of either sign, of so many pairs (Student's t, as in `stats`)."""
     freedoms = count - 2
-    t = correlation * np.sqrt(freedoms / max((1.0 + correlation) * (1.0 - correlation), np.finfo(float).tiny))
+    t = correlation * np.sqrt(freedoms / max((1.0 + correlation) * (1.0 - correlation), np.finfo(float).eps))
     return float(2 * special.stdtr(freedoms, -abs(t)))

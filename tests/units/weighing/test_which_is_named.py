@@ -82,6 +82,15 @@ def test_a_special_case_must_take_half_in_units_of_the_noise_too(squares, named)
     assert ("pressed_slip" in found) == named
 
 
+@pytest.mark.parametrize(("special_left", "told"), [(100.0, False), (85.0, True)])
+def test_what_takes_nothing_is_no_special_case_that_leaves_as_little(special_left, told):
+    """Of a wire rope `memory`, no help by the same table, "left about as little" as a `slip_spread` that took 21 %."""
+    law = candidate("", 100.0, 1000.0)
+    general, special = candidate("slip_spread", 79.0, 1010.0), candidate("memory", special_left, 1005.0)
+    general.akaike = special.akaike = 900.0  # the fit to all tests prefers them, left-out conditions in noise don't
+    assert bool(simpler_words(general, [general, special], law, TOLERANCE)) == told
+
+
 @pytest.mark.parametrize(("left", "named"), [(8.0, True), (7.0, False)])
 def test_a_special_case_that_takes_as_much_is_named_though_neither_explains_all(left, named):
     """An oil damper, its valve open for ever, had been the cause of a rubber mount's relaxation."""

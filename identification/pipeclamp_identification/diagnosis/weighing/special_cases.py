@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipeclamp_identification.diagnosis.foretold import share_of_error
+from pipeclamp_identification.diagnosis.foretold import explained_share, share_of_error
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering
@@ -33,14 +33,17 @@ def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged, 
 def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: Tolerance) -> bool:
     """Tell whether a special case of an effect leaves over no more than twice of what the effect does, in N.
 
-    Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too. And
-    where the effect explains what is missing, so must it, or take as much in N.
+    Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too, and in N
+    where the effect takes nothing in units of the noise, half of which is no measure. And where the effect explains
+    what is missing, so must it, or take as much in N.
     """
     if not is_special_case(_added(special), _added(general)):
         return False
-    takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
+    taken, whole = (law.squares - each.squares for each in (special, general))
+    if whole <= 0:
+        taken, whole = (explained_share(each, law) for each in (special, general))
     beyond = share_of_error(general, special)
-    if not takes_half or beyond >= HALF_TAKEN_SHARE:
+    if taken < HALF_TAKEN_SHARE * whole or beyond >= HALF_TAKEN_SHARE:
         return False
     return not beyond or explains(special, law, tolerance) or not explains(general, law, tolerance)
 
