@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed, diagnosed
+from pipeclamp_identification.diagnosis.foretold import foretells_as_well
 from pipeclamp_identification.diagnosis.named import WITH, in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     VALLEYS,
@@ -147,7 +148,7 @@ def search(
     if not heard:
         return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
-    result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
+    result = with_rivals_elsewhere(best_heard(heard, problem), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return TermSearch(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
 
@@ -244,7 +245,7 @@ def _asked(
     refining = Refining(_varied(evaluation.problem), workers)
     heard: list[TermFound] = []
     while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
-        best, rivals = best_of(left)
+        best, rivals = best_of(left, evaluation.problem)
         found = hearing.of(best, rivals)
         heard.append(found if heard and not found.passed else refining.of(found, best, hearing))
         # asked before they are fitted, for then all act much the same
@@ -312,14 +313,20 @@ def weighed_by_the_best(heard: Sequence[TermFound], problem: Problem) -> list[Te
     return [replace(one, judged=weighed_as(one.judged, weighed)) for one in heard]
 
 
-def best_heard(heard: Sequence[TermFound]) -> TermFound:
+def best_heard(heard: Sequence[TermFound], problem: Problem) -> TermFound:
     """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
 
-    The first is the law's own, which counts only where it passed or no other did.
+    Effects that the law as it is has beside a term, and a term in their place does without, must be worth effects: they
+    may share with the term what is missing, and leave of its form what nobody would know again. The first is the law's
+    own, which counts only where it passed or no other did.
+
+    Args:
+        heard: terms that were asked, in one problem's weights.
+        problem: the tests.
     """
     passed = [one for one in heard if one.passed] or heard
-    least = min(one.judged.squares for one in passed)
-    near = [one for one in passed if one.judged.squares <= least + RIVAL_LIKELIHOOD]
+    best = min(passed, key=lambda one: one.judged.squares)
+    near = [one for one in passed if foretells_as_well(one.judged, best.judged, problem)]
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
 
 
