@@ -8,13 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.thresholds import (
-    BEYOND_DOUBT_DRAWS_SHARE,
-    MATERIAL_FORCE_SHARE,
-    MATERIAL_NOISE_SHARE,
-    MATERIAL_PART_SHARE,
-    RIVAL_LIKELIHOOD,
-)
+from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.heldout import is_foretold, signal_of_groups
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_identification.loops.loops import Loops
@@ -120,21 +114,6 @@ def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Else
         for name, errors in every.items()
         if is_foretold(name, loops, of_the_law) or levels_taken(signal_of_groups(name), brought)
     }
-
-
-def foretells_as_well(judged: Judged, other: Judged, problem: Problem) -> bool:
-    """Tell whether a law foretells left-out conditions as well as another, but for what isn't worth an effect.
-
-    Their squares may differ by hundreds that no force shows: harmonics of many samples are known far better than one.
-    """
-    if judged.squares <= other.squares + RIVAL_LIKELIHOOD:
-        return True
-    left_out = problem.groups >= 0
-    more = float((judged.score.mean_squares - other.score.mean_squares)[left_out].mean())
-    noise, force = (
-        float(np.mean(rms[left_out] ** 2)) for rms in (problem.loops.scatter_rms_N, problem.loops.force_rms_N)
-    )
-    return more <= max(MATERIAL_NOISE_SHARE**2 * noise, MATERIAL_FORCE_SHARE**2 * force)
 
 
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:

@@ -9,7 +9,6 @@ import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed, diagnosed
-from pipeclamp_identification.diagnosis.foretold import foretells_as_well
 from pipeclamp_identification.diagnosis.named import WITH, in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     VALLEYS,
@@ -22,7 +21,12 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
+from pipeclamp_identification.discovery.bases import (
+    Basis,
+    is_worth_effects,
+    with_needed_back,
+    without_last_effects,
+)
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn, all_columns, beside_another_law
 from pipeclamp_identification.discovery.grammar import FOLLOWED_CONDITIONS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import (
@@ -316,9 +320,9 @@ def weighed_by_the_best(heard: Sequence[TermFound], problem: Problem) -> list[Te
 def best_heard(heard: Sequence[TermFound], problem: Problem) -> TermFound:
     """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
 
-    Effects that the law as it is has beside a term, and a term in their place does without, must be worth effects: they
-    may share with the term what is missing, and leave of its form what nobody would know again. The first is the law's
-    own, which counts only where it passed or no other did.
+    What the law as it is has beside a term, and a term in the place of it does without, must be needed as an effect
+    must that comes back: it may share with the term what is missing, and leave of its form what nobody would know
+    again. The first is the law's own, which counts only where it passed or no other did.
 
     Args:
         heard: terms that were asked, in one problem's weights.
@@ -326,7 +330,7 @@ def best_heard(heard: Sequence[TermFound], problem: Problem) -> TermFound:
     """
     passed = [one for one in heard if one.passed] or heard
     best = min(passed, key=lambda one: one.judged.squares)
-    near = [one for one in passed if foretells_as_well(one.judged, best.judged, problem)]
+    near = [one for one in passed if not is_worth_effects(best.judged, one.judged, problem)]
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
 
 

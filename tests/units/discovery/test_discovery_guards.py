@@ -215,30 +215,32 @@ def test_as_well_means_the_same_beyond_the_tests(monkeypatch):
     assert asked == [True, False]
 
 
-TESTS = SimpleNamespace(
-    groups=np.arange(4), loops=SimpleNamespace(scatter_rms_N=np.full(4, 20.0), force_rms_N=np.full(4, 900.0))
-)
+TESTS = SimpleNamespace(groups=np.arange(8))
+
+
+def _judged(squares, parameters, turns=0.0):
+    of_runs = squares / 8 + turns * np.tile([1.0, -1.0], 4)
+    return SimpleNamespace(
+        squares=squares, score=SimpleNamespace(squares=of_runs, mean_squares=1000.0 + of_runs),
+        result=SimpleNamespace(law=SimpleNamespace(values=range(parameters))),
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
     ("beside", "instead", "taken"),
     [
         ((100.0, 14, True), (105.0, 12, True), "instead"),  # as good and shorter
-        ((100.0, 14, True), (150.0, 12, True), "instead"),  # as good, but for what is worth no effect
-        ((100.0, 14, True), (450.0, 12, True), "beside"),  # worse
+        ((1000.0, 14, True), (1300.0, 12, True), "instead"),  # worse by a thirtieth of the error, scatter included
+        ((1000.0, 14, True), (1800.0, 12, True), "beside"),  # worse by more
+        ((1000.0, 14, True), (1800.0, 12, True, 300.0), "instead"),  # worse by more, but on some groups better
         ((100.0, 14, False), (150.0, 12, True), "instead"),  # the other didn't pass
         ((100.0, 14, False), None, "beside"),  # what came nearest
     ],
 )
-def test_of_terms_beside_effects_and_in_their_place_the_best_that_passed_is_taken(beside, instead, taken):
+def test_effects_beside_a_term_must_be_worth_it(beside, instead, taken):
+    """Beside the effect that had stood for it a wire rope's term had another form, for a twentieth of the squares."""
     heard = [
-        SimpleNamespace(
-            name=name, passed=each[2],
-            judged=SimpleNamespace(
-                squares=each[0], score=SimpleNamespace(mean_squares=np.full(4, 0.03 * each[0])),
-                result=SimpleNamespace(law=SimpleNamespace(values=range(each[1]))),
-            ),
-        )
+        SimpleNamespace(name=name, passed=each[2], judged=_judged(*each[:2], *each[3:]))
         for name, each in (("beside", beside), ("instead", instead)) if each
     ]  # fmt: skip
     assert best_heard(heard, TESTS).name == taken
@@ -250,17 +252,18 @@ def test_terms_in_different_places_are_held_together_in_the_weights_of_the_best(
 
     def heard(name, squares, parameters):
         law = SimpleNamespace(values=dict.fromkeys(range(parameters)), structure=name)
-        judged = SimpleNamespace(
-            squares=squares, score=SimpleNamespace(mean_squares=np.full(4, squares)), result=SimpleNamespace(law=law)
-        )
+        judged = _judged(squares, parameters)
+        judged.result.law = law
         return TermFound(term, judged, None, (), "", (Guard("asked", True, ""),), (name,))
 
     def weighed(judged, problem):
-        return SimpleNamespace(squares=problem * judged.squares, score=judged.score, result=judged.result)
+        again = _judged(judged.squares * problem, 0)
+        again.result = judged.result
+        return again
 
     monkeypatch.setattr(discover, "weighed_again", lambda problem, structure, best, starts: (problem * 10, None))
     monkeypatch.setattr(discover, "weighed_as", weighed)
-    right, short = heard("right", 10.0, 9), heard("short", 15.0, 7)
+    right, short = heard("right", 100.0, 9), heard("short", 150.0, 7)
     assert best_heard([right, short], TESTS).gone == ("short",)
     assert best_heard(discover.weighed_by_the_best([right, short], 1.0), TESTS).gone == ("right",)
     assert discover.weighed_by_the_best([right], 1.0) == [right]
