@@ -1,5 +1,7 @@
 """A scaled term in other forms of following its condition: the same term, by a factor >= 0 that goes where it says."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from test_discovery_grammar import SIZES, function, motion
@@ -8,6 +10,8 @@ from test_discovery_refined import VARIED, force_of, values_of
 from pipeclamp_identification.discovery.following import LEVEL, WIDTH, followed_otherwise
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, terms
+from pipeclamp_identification.discovery.refining import Refining
+from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.realise.sizes import number_of
 
@@ -68,3 +72,15 @@ def test_a_level_does_not_move_with_its_own_condition():
     refined = [each.acts_like for each, _ in refinements(form, values, *VARIED)]
     assert any(words.endswith("scaled with the frequency") for words in refined)
     assert not any(words.endswith("scaled with the temperature") for words in refined)
+
+
+def test_each_form_is_fitted_from_two_levels_with_the_rest_as_it_was():
+    term = BY_ID["thinning_damping_by_t"]
+    values = {"k10": 1800.0, "F_x": 76.0, "v_x": 0.7, "s_x": -1.0}
+    one = SimpleNamespace(term=term, judged=SimpleNamespace(result=SimpleNamespace(law=SimpleNamespace(values=values))))
+    forms = Refining(VARIED, ALONE)._following(one, SimpleNamespace(sizes=SIZES))
+    starts = {form.declaration.id.rpartition("_")[2]: given for form, given in forms}
+    low, high = (SIZES["T_lowest"] + share * (SIZES["T_highest"] - SIZES["T_lowest"]) for share in (0.3, 0.6))
+    assert [start["l_x"] for start in starts["fading"]] == pytest.approx([low, high])
+    assert [start["s_x"] for start in starts["exponential"]] == [-0.5, 0.5]
+    assert all(start.items() >= {"k10": 1800.0, "F_x": 76.0, "v_x": 0.7}.items() for start in starts["fading"])
