@@ -66,7 +66,7 @@ def with_needed_back(
         workers.tell(f"what of {' and '.join(left)} is needed beside a term")
         back = judge_each(list(_each_back(term, left, law)), problem, workers)
         best = min(back, key=lambda one: one.squares, default=None)
-        if best is None or share_of_error(best, term) < MATERIAL_PART_SHARE or not surely_better(best, term, problem):
+        if best is None or not is_worth_effects(best, term, problem):
             return
         term, left = best, tuple(name for name in left if name != best.effects[0])
         if left == whole.effects[-len(left) :]:  # the law without its last ones: that is asked anyway
@@ -75,6 +75,11 @@ def with_needed_back(
             yield Basis(fitted_without(whole, left, term, problem), left)
         except UserError:  # an effect that is back modifies what only one has that isn't
             continue
+
+
+def is_worth_effects(longer: Judged, law: Judged, problem: Problem) -> bool:
+    """Tell whether a law takes a material part of what another leaves on left-out conditions, beyond doubt."""
+    return share_of_error(longer, law) >= MATERIAL_PART_SHARE and surely_better(longer, law, problem)
 
 
 def _each_back(term: Judged, gone: Sequence[str], law: Judged) -> Iterator[Contender]:

@@ -21,7 +21,12 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
+from pipeclamp_identification.discovery.bases import (
+    Basis,
+    is_worth_effects,
+    with_needed_back,
+    without_last_effects,
+)
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn, all_columns, beside_another_law
 from pipeclamp_identification.discovery.grammar import FOLLOWED_CONDITIONS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import (
@@ -147,7 +152,7 @@ def search(
     if not heard:
         return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
-    result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
+    result = with_rivals_elsewhere(best_heard(heard, problem), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return TermSearch(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
 
@@ -244,7 +249,7 @@ def _asked(
     refining = Refining(_varied(evaluation.problem), workers)
     heard: list[TermFound] = []
     while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
-        best, rivals = best_of(left)
+        best, rivals = best_of(left, evaluation.problem)
         found = hearing.of(best, rivals)
         heard.append(found if heard and not found.passed else refining.of(found, best, hearing))
         # asked before they are fitted, for then all act much the same
@@ -312,14 +317,20 @@ def weighed_by_the_best(heard: Sequence[TermFound], problem: Problem) -> list[Te
     return [replace(one, judged=weighed_as(one.judged, weighed)) for one in heard]
 
 
-def best_heard(heard: Sequence[TermFound]) -> TermFound:
+def best_heard(heard: Sequence[TermFound], problem: Problem) -> TermFound:
     """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
 
-    The first is the law's own, which counts only where it passed or no other did.
+    What the law as it is has beside a term, and a term in the place of it does without, must be needed as an effect
+    must that comes back: it may share with the term what is missing, and leave of its form what nobody would know
+    again. The first is the law's own, which counts only where it passed or no other did.
+
+    Args:
+        heard: terms that were asked, in one problem's weights.
+        problem: the tests.
     """
     passed = [one for one in heard if one.passed] or heard
-    least = min(one.judged.squares for one in passed)
-    near = [one for one in passed if one.judged.squares <= least + RIVAL_LIKELIHOOD]
+    best = min(passed, key=lambda one: one.judged.squares)
+    near = [one for one in passed if not is_worth_effects(best.judged, one.judged, problem)]
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
 
 

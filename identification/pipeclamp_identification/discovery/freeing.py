@@ -11,6 +11,7 @@ import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from pipeclamp_identification.discovery.following import LEVEL, WIDTH
 from pipeclamp_identification.discovery.grammar import (
     MOST_PARAMETERS,
     SCALED,
@@ -23,7 +24,7 @@ from pipeclamp_identification.discovery.grammar import (
 from pipeclamp_identification.discovery.shapes import LENGTH, RATE, SPEED, STRENGTH, Entry
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 
-EXPONENT, WIDTH, MOVED = ("e_x", "j_x"), ("d_x", "b_x"), ("n_x", "i_x", "o_x")
+EXPONENT, SMOOTH, MOVED = ("e_x", "j_x"), ("d_x", "b_x"), ("n_x", "i_x", "o_x")
 """Symbols of what a refined term has more, the first that it hasn't got."""
 FIXED_EXPONENT = re.compile(r"\)\*\*(\d+(?:\.\d+)?)(?![\w.])")
 """A group's fixed exponent."""
@@ -58,15 +59,21 @@ def refinements(
     scales += [one for name, size in conditions.items() for one in scales_of(name, size)]
     moved = [one for one in term.declaration.parameters if one.unit != "-" or one.symbol == linear_symbol(term.family)]
     for table, scale in itertools.product(moved, scales):
-        again = table.symbol == STRENGTH and scale.factor in term.declaration.force
-        if not again and not _follows(term, scale):
+        if not _follows(term, table, scale):
             yield _moved(term, table, scale), MOVES
 
 
-def _follows(term: Term, scale: Scale) -> bool:
-    """Tell whether a term is a factor over the very condition: a level of it that moves with it says nothing."""
-    factors = "; ".join(one.factor for one in term.declaration.scales)
-    return bool(_signals(scale.factor) & _signals(factors))
+def _follows(term: Term, table: ParameterTable, scale: Scale) -> bool:
+    """Tell whether a parameter follows the very condition already.
+
+    Of a factor over it, and of a strength that changes about a level of it, that level moving with it says nothing.
+    """
+    declaration, of_strength = term.declaration, table.symbol in (STRENGTH, LEVEL, WIDTH)
+    if of_strength and scale.factor in (declaration.force or ""):
+        return True
+    bent = of_strength and any(one.symbol == LEVEL for one in declaration.parameters)
+    text = "; ".join([declaration.force or "" if bent else "", *(one.factor for one in declaration.scales)])
+    return bool(_signals(scale.factor) & _signals(text))
 
 
 def _signals(expression: str) -> set[str]:
@@ -148,7 +155,7 @@ def _freed(term: Term, group: str, exponent: float, number: int) -> Term:
 
 
 def _smooth(term: Term, corner: str, table: ParameterTable, number: int) -> Term:
-    bounds, symbol = SMOOTHEST[table.unit], _new(WIDTH, term)
+    bounds, symbol = SMOOTHEST[table.unit], _new(SMOOTH, term)
     entry: Entry = {"symbol": symbol, "unit": table.unit, "meaning": "width in which it begins",
                     "start": bounds["lower"], "lower": f"0.1 * {bounds['lower']}",
                     "upper": bounds["upper"]}  # fmt: skip

@@ -122,7 +122,7 @@ SCALED = {
 
 def scales_of(column: str, size: float) -> tuple[Scale, ...]:
     """Give by what a term may follow a further column: exponentially, or with a power of it, which a field has."""
-    name, share = _named(column), f"{_named(column)} / {size:.6g}"
+    name, share = named(column), f"{named(column)} / {size:.6g}"
     return (
         Scale(name, f"exp(s_x * {share})", column, column),
         Scale(f"{name}_power", f"(abs({share}) + {ABOVE_ZERO})**s_x", f"a power of {column}", column),
@@ -165,18 +165,20 @@ FOLLOWED_CONDITIONS = {
     "N": ("N / 1000", "0.1 * N_highest", "0.4 * N_highest", "N_highest", "-", "number of cycles"),
 }  # fmt: skip
 """Signals that a factor may follow: without its dimension, two levels at which it may bend, its range, unit, name."""
+STEPS = {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}
+"""And steps of each by which growth is stated."""
 
 
 def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
     """Give factors > 0 on a coefficient of the law: power, exponential, bent, from a level on, levelling off."""
     if signal in conditions:
-        plain, unit, name, size = _named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
+        plain, unit, name, size = named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
         pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
         above, reach = f"abs({pure}) + {ABOVE_ZERO}", size
     else:
         pure, low, high, reach, unit, name = FOLLOWED_CONDITIONS[signal]
         bends = (low, high)
-        plain, size = signal, {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}[signal]
+        plain, size = signal, STEPS[signal]
         above = {"T": "T / T_0", "N": "1 + N"}.get(signal, pure)
     level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
     width: Entry = {"symbol": "w_x", "unit": unit, "meaning": f"change of {signal} in which it steps",
@@ -241,7 +243,7 @@ def _factor(role: str, name: str, factor: str, words: str, parameters: tuple[Ent
     )  # fmt: skip
 
 
-def _named(column: str) -> str:
+def named(column: str) -> str:
     """Give the name that a further column has in expressions."""
     return re.sub(r"\W", "_", column)
 

@@ -69,15 +69,17 @@ def comes_back(judged: Sequence[Judged], alike: BoolArray, groups: IntArray) -> 
 
 
 def as_well_in_draws(judged: Sequence[Judged], groups: IntArray) -> BoolArray:
-    """Tell which laws do as well as the best in each draw of the conditions, shape (draws, laws).
+    """Tell which laws are as likely as the likeliest in each draw of the conditions, shape (draws, laws).
 
     Args:
         judged: the laws.
         groups: of each run, shape (R,).
     """
-    by_group = np.array([np.bincount(groups, weights=each.score.squares) for each in judged])
-    squares = draws(by_group.shape[1]) @ by_group.T.astype(np.float64)
-    return np.asarray(squares <= squares.min(axis=1, keepdims=True) + RIVAL_LIKELIHOOD)
+    by_run = np.array([np.sum(each.fitted.residual**2, axis=1) for each in judged])
+    of_the_law = np.array([each.akaike for each in judged]) - by_run.sum(axis=1)
+    by_group = np.array([np.bincount(groups, weights=each) for each in by_run])
+    criterion = draws(by_group.shape[1]) @ by_group.T.astype(np.float64) + of_the_law
+    return np.asarray(criterion <= criterion.min(axis=1, keepdims=True) + RIVAL_LIKELIHOOD)
 
 
 def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_DRAWS_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.bases import fitted_without
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn
@@ -21,6 +21,7 @@ from pipeclamp_identification.discovery.guards import (
     comes_back,
     confirmed,
     not_in_the_catalogue,
+    surely_better,
     worse_between_levels,
 )
 from pipeclamp_identification.discovery.search import ALIKE_CORRELATION, Screened, screened_columns
@@ -279,19 +280,36 @@ class Hearing:
         )
 
 
-def best_of(refitted: Sequence[RefittedTerm]) -> tuple[RefittedTerm, list[RefittedTerm]]:
-    """Give the term that foretells best, of those that do as well that of fewest parameters, and the others.
+def best_of(refitted: Sequence[RefittedTerm], problem: Problem) -> tuple[RefittedTerm, list[RefittedTerm]]:
+    """Give the term that is likeliest of those that foretell as well, of equals that of fewest parameters; the others.
 
-    What has more parameters is a rival too, where it isn't one of them with something added.
+    Which term foretells best, left-out conditions tell by draws only: one of them that the rest hardly determine may
+    decide between two forms. The fit to all of them leaves far less to chance. What has more parameters is a rival too,
+    where it isn't one of them with something added.
+
+    Args:
+        refitted: terms that were fitted together with a law.
+        problem: the tests.
     """
     first = min(refitted, key=lambda one: one.squares)
-    near = [one for one in refitted if one.squares <= first.squares + RIVAL_LIKELIHOOD]
-    best, *longer = sorted(near, key=lambda one: (one.parameters, one.squares))
+    as_well = [one for one in refitted if one is first or not surely_better(first.judged, one.judged, problem)]
+    least = min(one.judged.akaike for one in as_well)
+    near = [one for one in as_well if one.judged.akaike <= least + RIVAL_LIKELIHOOD]
+    best, *longer = sorted(near, key=lambda one: (one.parameters, one.judged.akaike))
     kept = [best]
     for one in longer:  # what only adds to one of them is no rival
         if not any(other.term.declaration.id in one.term.shorter for other in kept):
             kept.append(one)
     return best, sorted(kept[1:], key=lambda one: one.squares)
+
+
+def worth_their_length(terms: Sequence[RefittedTerm], problem: Problem) -> list[RefittedTerm]:
+    """Leave out terms that only add to another of them, and foretell no better for it beyond doubt."""
+
+    def adds(one: RefittedTerm, other: RefittedTerm) -> bool:
+        return other.term.declaration.id in one.term.shorter and not surely_better(one.judged, other.judged, problem)
+
+    return [one for one in terms if not any(adds(one, other) for other in terms)]
 
 
 def best_of_each(refitted: Iterable[RefittedTerm]) -> list[RefittedTerm]:

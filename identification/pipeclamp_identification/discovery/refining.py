@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -9,7 +10,8 @@ from typing import TypeAlias
 from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.columns import TermColumn
+from pipeclamp_identification.discovery.columns import Evaluation, TermColumn
+from pipeclamp_identification.discovery.following import followed_otherwise
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
 from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, surely_better, surely_worse
@@ -20,12 +22,15 @@ from pipeclamp_identification.discovery.hearing import (
     best_of,
     best_of_each,
     refitted_of,
+    worth_their_length,
 )
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import SAME_CORRELATION, screened_columns
+from pipeclamp_identification.discovery.shapes import RATE
 from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure, with_effect
+from pipeclamp_models.realise.sizes import number_of
 
 MOST_REFINED = 3
 """Terms, best first, of which refined forms are tried: what is missing may be a number of one that does worse."""
@@ -89,6 +94,9 @@ class Refining:
         others.sort(key=lambda one: one.squares)
         roomy = [one for one in (plain, *others) if one.parameters < MOST_PARAMETERS]
         forms = [form for one in (*roomy[:MOST_REFINED], *shorter) for form in self._freed(one)]
+        needed = worth_their_length([plain, *others], problem)
+        otherwise = (list(self._following(one, hearing.evaluation)) for one in needed)
+        forms += itertools.chain(*itertools.islice(filter(None, otherwise), MOST_REFINED))
         forms += [form for one in (plain, *shorter) for form in _beside(one, hearing)]
         structure = hearing.evaluation.law.result.law.structure
         contenders = [_contender(structure, form) for form in forms]
@@ -113,6 +121,24 @@ class Refining:
             new = term.declaration.parameters[-1].symbol
             yield term, [{**values, new: start} for start in starts]
 
+    def _following(self, one: RefittedTerm, evaluation: Evaluation) -> Iterator[Form]:
+        """Give a scaled term in each other form in which it may follow its condition, and values to start from."""
+        values = one.judged.result.law.values
+        for term in followed_otherwise(one.term, *self.varied):
+            kept = {each.symbol for each in one.term.declaration.parameters} - {RATE}
+            new = [each for each in term.effect.parameters if each.name not in kept]
+            starts = zip(*(each.starts for each in new), strict=True)
+            yield (
+                term,
+                [
+                    {
+                        **values,
+                        **{each.name: number_of(at, evaluation.sizes) for each, at in zip(new, own, strict=True)},
+                    }
+                    for own in starts
+                ],
+            )
+
 
 def best_first(
     tried: Sequence[RefittedTerm], plain: RefittedTerm, hearing: Hearing
@@ -131,7 +157,7 @@ def best_first(
     for _ in range(MOST_ASKED):
         if not left:
             return
-        best, rivals = best_of(left)
+        best, rivals = best_of(left, hearing.evaluation.problem)
         yield best, rivals
         same = hearing.alike(hearing.refitted.index(best), SAME_CORRELATION)
         gone = [one for one, each in zip(hearing.refitted, same, strict=True) if each]

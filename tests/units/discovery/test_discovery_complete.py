@@ -83,7 +83,7 @@ def test_where_tests_tell_no_cause_from_another_a_term_may_better_both(
     monkeypatch.setattr(discover, "diagnosed", lambda *given, **named_too: named)
     monkeypatch.setattr(discover, "_asked", lambda *given: counted.append(1) or found)
     monkeypatch.setattr(discover, "all_columns", lambda *given: [])
-    monkeypatch.setattr(discover, "best_heard", lambda heard: heard[0])
+    monkeypatch.setattr(discover, "best_heard", lambda heard, problem: heard[0])
     file = law_file(identify(tests, Structure("power")), tests, name="law", provenance=Provenance("several"))
     result = discover.search(file, tests, workers=ALONE)
     assert len(counted) == asked

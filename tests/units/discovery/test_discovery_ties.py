@@ -27,7 +27,8 @@ def judged(squares, effects=("oil_damper",), **further):
 
 def refitted(name, squares, residual=None):
     """A term that was fitted together with a law."""
-    one = judged(squares, (name,), fitted=SimpleNamespace(residual=residual))
+    residual = np.sqrt(squares)[:, None] if residual is None else residual
+    one = judged(squares, (name,), fitted=SimpleNamespace(residual=residual), akaike=float(np.sum(squares)))
     return RefittedTerm(one, TERMS[name], TermColumn(TERMS[name], {}, np.zeros((len(GROUPS), 5)), True))
 
 
@@ -82,13 +83,14 @@ def test_terms_with_which_a_law_comes_to_the_same_come_back_as_one(other, passes
     What is left of them beyond the tangents of a law whose parts stand for most of it looked different.
     """
     taken, apart = np.random.default_rng(2).standard_normal((2, len(GROUPS), 5))
-    squares = np.full(len(GROUPS), 50.0)
-    one = refitted("found_slip", squares + TURNS, np.zeros_like(taken))
-    same = refitted("found_smooth_slip", squares - TURNS, other * apart)
+    one, same = refitted("found_slip", 50.0 + TURNS), refitted("found_smooth_slip", 50.0 - TURNS)
+    in_turns = [one.judged, same.judged]
+    one = refitted("found_slip", 50.0 + TURNS, np.zeros_like(taken))
+    same = refitted("found_smooth_slip", 50.0 - TURNS, other * apart)
     asked = heard([one, same], taken, bar=None)
     monkeypatch.setattr(Hearing, "alike", lambda self, place: np.arange(2) == place)
     assert asked.returning(0).tolist() == [True, passes]
-    guard = comes_back([one.judged, same.judged], asked.returning(0), GROUPS)
+    guard = comes_back(in_turns, asked.returning(0), GROUPS)
     assert guard.passed == passes
 
 

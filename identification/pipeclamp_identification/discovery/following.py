@@ -1,0 +1,112 @@
+"""How the strength of a term follows a condition, in other forms than the power or exponential it was found with.
+
+So that all terms may be enumerated, each is scaled in one way. Once a scaled term is found, others can be asked for in
+its place: an exponential, from a level on, up to one, levelling off, setting in about a level, fading about one. Each
+is a factor >= 0 of what stays the same along a cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from pipeclamp_identification.discovery.grammar import (
+    FOLLOWED_CONDITIONS,
+    MOST_PARAMETERS,
+    SCALED,
+    STEPS,
+    Scale,
+    Term,
+    id_of,
+    named,
+    scales_of,
+)
+from pipeclamp_identification.discovery.shapes import RATE, STRENGTH, Entry, scaling
+from pipeclamp_models.law.declaration import Declaration
+
+LEVEL, WIDTH = "l_x", "k_x"
+"""Symbols of the level about which a strength changes, and of within how much of the condition."""
+START_WIDTH = 0.15
+"""Of the condition's range, where fits begin."""
+
+
+@dataclass(frozen=True)
+class Following:
+    """A form in which a strength follows a condition.
+
+    Attributes:
+        name: as ids have it.
+        factor: >= 0.
+        words: what it is.
+        parameters: of the factor.
+    """
+
+    name: str
+    factor: str
+    words: str
+    parameters: tuple[Entry, ...]
+
+
+def followed_otherwise(term: Term, varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Term]:
+    """Give a scaled term in each other form in which it may follow its condition; that form's parameters are its last.
+
+    Args:
+        term: the term; none is given of one that isn't scaled, or is a factor itself.
+        varied: of A, f and T those that vary over the tests.
+        conditions: further columns that vary, with the largest magnitude of each.
+    """
+    known = [(name, one, 0.0) for name, one in SCALED.items() if name in varied]
+    known += [(name, one, size) for name, size in conditions.items() for one in scales_of(name, size)]
+    for signal, scale, size in known:
+        scaled = f"{STRENGTH} * {scale.factor}"
+        if scaled not in (term.declaration.force or ""):
+            continue
+        for form in _forms(signal, size):
+            if len(term.declaration.parameters) - 1 + len(form.parameters) <= MOST_PARAMETERS:
+                yield _following(term, scale, form)
+
+
+def _forms(signal: str, size: float) -> Iterator[Following]:
+    """Give the forms in which a strength may follow a signal; the size is that of a further column."""
+    if signal in FOLLOWED_CONDITIONS:
+        pure, low, high, reach, unit, name = FOLLOWED_CONDITIONS[signal]
+        plain, step = signal, STEPS[signal]
+        yield Following("exponential", f"exp({RATE} * {pure})", f"exponentially with the {name}",
+                        (scaling(f"by how much it follows the {name}", -0.5, 0.5),))  # fmt: skip
+    else:
+        plain, unit, name, reach = named(signal), "in its name", signal, f"{size:.6g}"
+        step = reach
+        low, high = (f"{share * size:.6g}" for share in (0.3, 0.6))
+    level: Entry = {"symbol": LEVEL, "unit": unit, "meaning": f"level of the {name} about which it changes",
+             "start": (low, high)}  # fmt: skip
+    width: Entry = {"symbol": WIDTH, "unit": unit, "meaning": f"change of the {name} in which it does",
+             "start": (f"{START_WIDTH} * {reach}",) * 2, "lower": f"0.01 * {reach}",
+             "upper": f"3 * {reach}"}  # fmt: skip
+    turned = f"({plain} - {LEVEL}) / sqrt(({plain} - {LEVEL})**2 + {WIDTH}**2)"
+    yield Following("beyond", f"(max({plain} - {LEVEL}, 0) / {step})", f"from a level of the {name} on", (level,))
+    yield Following("below", f"(max({LEVEL} - {plain}, 0) / {step})", f"up to a level of the {name}", (level,))
+    if signal != "T":  # what is far from zero levels off nowhere
+        yield Following("levelling", f"(abs({plain}) / (abs({plain}) + abs({LEVEL})))",
+                        f"with the {name} and levelling off", (level,))  # fmt: skip
+    yield Following("setting_in", f"((1 + {turned}) / 2)", f"setting in about a level of the {name}", (level, width))
+    yield Following("fading", f"((1 - {turned}) / 2)", f"fading about a level of the {name}", (level, width))
+
+
+def _following(term: Term, scale: Scale, form: Following) -> Term:
+    """Give a term with another form in the place of what scales it."""
+    old = term.declaration
+    acts_like = term.acts_like.replace(f", scaled with {scale.words}", f", {form.words}")
+
+    def changed(text: str) -> str:
+        return text.replace(f"{STRENGTH} * {scale.factor}", f"{STRENGTH} * {form.factor}")
+
+    declaration = Declaration.model_validate({
+        **old.model_dump(exclude_defaults=True),
+        "id": id_of(f"{old.id.removeprefix('found_')}_{form.name}"), "title": acts_like, "looks_like": acts_like,
+        "parameters": (
+            *({**one.model_dump(), "start": one.start[:1]} for one in old.parameters if one.symbol != RATE),
+            *form.parameters,
+        ),
+        "force": changed(old.force or ""), "energy": changed(old.energy) if old.energy else old.energy,
+    })  # fmt: skip
+    return Term(term.family, declaration, acts_like, term.shorter)
