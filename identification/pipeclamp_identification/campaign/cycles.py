@@ -111,7 +111,7 @@ def find_cycles(record: Record) -> Cycles:
     _require_samples(time, y, frequency, interval)
     first, last, frequency, rest = _steady_sine(time, y, frequency, interval)
     _require_vibration(y, frequency, rest)
-    if first > 0 or last < len(time):
+    if (first > 0 or last < len(time)) and len(_bounds(time[first:last], frequency, interval)) > 2:
         # a ramp draws the coarse frequency away: its cycles don't close, and what follows them so roughly may be ramp
         first, last, frequency, _ = _steady_sine(time, y, frequency, interval)
     if first > 0:

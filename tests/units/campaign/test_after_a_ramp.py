@@ -23,7 +23,7 @@ def damper(cycles, rate=500.0, relaxes_in=0.2):
     return Record(time, y, force)
 
 
-@pytest.mark.parametrize("cycles", [2.75, 3.0, 3.37, 3.6, 4.45])
+@pytest.mark.parametrize("cycles", [3.0, 3.37, 3.6, 4.45])
 def test_steady_cycles_hold_no_ramp(cycles):
     """Of 3.4 cycles two had begun within the ramp, off by 4 % in displacement and by half in force.
 
