@@ -297,7 +297,7 @@ def values_in(text: str, option: str) -> dict[str, float]:
     Raises:
         UsageError: not all are name=number; it says the option.
     """
-    values = {}
+    values: dict[str, float] = {}
     for entry in names_in(text):
         name, equals, number = entry.partition("=")
         if not equals:
