@@ -92,6 +92,18 @@ def test_it_prints_in_the_light_look(pages, page, tmp_path):
     )
 
 
+@pytest.mark.parametrize("width", [420, 500, 1300])
+def test_no_title_stands_below_the_buttons_that_save_a_picture(pages, page, width):
+    page.set_viewport_size({"width": width, "height": 900})
+    open_page(page, pages / "diagnosis.html")
+    box = "const box = (one, name) => one.querySelector(name).getBoundingClientRect()"
+    crossed = "(title, bar) => title.right > bar.left && title.left < bar.right && title.bottom > bar.top"
+    drawn = "[...document.querySelectorAll('.picture, .chosen')].filter((one) => one.querySelector('.gtitle'))"
+    named = f"({drawn}).filter((one) => ({crossed})(box(one, '.gtitle'), box(one, '.modebar-group')))"
+    assert page.evaluate(f"{drawn}.length") > 8
+    assert page.evaluate(f"(() => {{ {box}; return {named}.map((one) => one.textContent.slice(0, 60)); }})()") == []
+
+
 def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pages, page):
     page.set_viewport_size({"width": 420, "height": 900})
     open_page(page, pages / "compare.html")

@@ -208,7 +208,7 @@ def test_force_at_coarse_samples_unloads_where_the_motion_turned(effect, values,
     [
         ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0}, "follows T, which isn't given"),
         ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0, "current_A": 2.0}, "doesn't follow 'current_A'"),
-        ({"y": float("nan"), "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0}, "y: not finite"),
+        ({"y": float("nan"), "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0}, "y: got nan; expected finite"),
         ({"y": "far", "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0}, "expected numbers"),
         ({"y": [0.1, 0.2], "v": [1.0, 2.0, 3.0], "A": 0.5, "f": 1.0, "T": 20.0}, "shapes"),
         ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0, "T": -300.0}, "above 0 K"),

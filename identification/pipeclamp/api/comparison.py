@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from pipeclamp_identification.workflow.after_comparison import after_comparison
 from pipeclamp_identification.workflow.tests import Held
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.toml_file import unknown
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
@@ -70,6 +71,43 @@ class Comparison(Shown):
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: its conditions (mm, Hz, °C), error and scatter as shares of the run's rms force."""
         return frame_of(self.to_dict()["runs"])
+
+    def loop(self, run: str) -> pl.DataFrame:
+        """Give a run's loop as measured and as the law gives it, to draw them: means over the cycles, at 256 phases.
+
+        Args:
+            run: its name in runs.csv, as in `to_frame`.
+
+        Returns:
+            a row a phase: phase_deg after the largest displacement, displacement_mm, velocity_mm_s, force_N as
+            measured, law_force_N.
+
+        Raises:
+            UserError: there is no such run, its motion is no sine, or the tests are metrics alone.
+
+        >>> from pipeclamp import compare
+        >>> compare("emwm2", "clamp_a").loop("A1_f3_T20").columns
+        ['phase_deg', 'displacement_mm', 'velocity_mm_s', 'force_N', 'law_force_N']
+        """
+        from pipeclamp_identification.comparison.compare import Comparison as HeldToRecords
+        from pipeclamp_identification.comparison.drawn import drawn_run
+        from pipeclamp_identification.comparison.laws import laws_held
+        from pipeclamp_models.base.tables import pl
+
+        held = self._held
+        if not isinstance(held, HeldToRecords):
+            raise UserError(f"run {run!r}: these tests are metrics without records; expected records of the loops")
+        sines = [each.run for each in held.runs]
+        if run not in sines:
+            free = ": its motion is no sine" if run in [each.run for each in held.free] else ""
+            raise UserError(f"run {run!r}{free}; expected a run of a sine" if free else unknown(run, sines, "run"))
+        drawn = drawn_run(held.loops, laws_held([(self.law.file, held)]), sines.index(run))
+        return pl.DataFrame(
+            {
+                "phase_deg": drawn.phase, "displacement_mm": drawn.y, "velocity_mm_s": drawn.v,
+                "force_N": drawn.measured, "law_force_N": drawn.laws[0],
+            }
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         """Give law, tests and error."""
@@ -148,11 +186,11 @@ class LawsComparison(Shown):
 
 
 @one_thread()
-def compare_laws(laws: Sequence[Law | PathOrName], tests: Tests | PathOrName) -> LawsComparison:
+def compare_laws(laws: Sequence[Law | PathOrName] | Mapping[str, Law], tests: Tests | PathOrName) -> LawsComparison:
     """Hold several laws against the same tests: which errs by how much, and what each leaves over.
 
     Args:
-        laws: the laws, or their files or bundled names.
+        laws: the laws, or their files or bundled names; also laws by name, as `identify_per` gives them.
         tests: the tests, or their folder or bundled name.
 
     Raises:
@@ -162,7 +200,8 @@ def compare_laws(laws: Sequence[Law | PathOrName], tests: Tests | PathOrName) ->
     >>> compare_laws(["published_R1", "emwm2"], read_campaign("clamp_a")).to_frame().columns
     ['law', 'made_of', 'nrmse']
     """
-    known, tests = [opened(law) for law in laws], tested(tests)
+    several = laws.values() if isinstance(laws, Mapping) else laws
+    known, tests = [opened(law) for law in several], tested(tests)
     if not known:
         raise UserError("compare_laws: got no law; expected one at least")
     return LawsComparison(known, tests, [tests.tests.compare(law.file) for law in known])

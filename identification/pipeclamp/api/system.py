@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeclamp.api.shown import PathOrName, path_of
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.tables import pl
+from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_system.cosim.result import CosimResult, write_result
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.summary import summary_of
@@ -42,7 +44,14 @@ class Cosimulation:
         return self.result.trusted
 
     def amplitude(self, place: str) -> float:
-        """Give the amplitude of the displacement at a clamp or probe in the last fifth of the run, mm."""
+        """Give the amplitude of the displacement at a clamp or probe in the last fifth of the run, mm.
+
+        Raises:
+            UserError: there is no such clamp or probe.
+        """
+        places = [name.removesuffix(".s") for name in self.result.columns if name.endswith(".s")]
+        if place not in places:
+            raise UserError(f"amplitude: {unknown(place, places, 'clamp or probe')}")
         return 1e3 * self.result.amplitude(f"{place}.s")
 
     def to_frame(self) -> pl.DataFrame:

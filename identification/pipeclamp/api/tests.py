@@ -72,6 +72,25 @@ class Tests(Shown):
         """Give a row a run: conditions (mm, Hz, °C), dW and W (J), loss factor, stiffness (N/mm), scatter."""
         return frame_of(self.to_dict()["runs"])
 
+    @one_thread()
+    def record(self, run: str) -> pl.DataFrame:
+        """Give the samples of a run's record: time_s, displacement_mm, force_N, temperature_C where it was measured.
+
+        All of them, the ramp-in too, in these units; where the fault of a sensor could be repaired, repaired.
+
+        Args:
+            run: its name in runs.csv, as in `to_frame`.
+
+        Raises:
+            UserError: there is no such run, or the tests are metrics alone.
+
+        >>> read_campaign("clamp_a").record("A1_f3_T20").columns
+        ['time_s', 'displacement_mm', 'force_N']
+        """
+        from pipeclamp_models.base.tables import pl
+
+        return pl.DataFrame(dict(self.tests.record(run)))
+
     def __repr__(self) -> str:
         """Give name and number of runs."""
         return f"<tests {self.name}: {self._count()}, {len(self.left_out)} left out>"
@@ -85,7 +104,11 @@ class Tests(Shown):
             _span("f", "Hz", [run.frequency_Hz for run in runs]),
             _span("T", "°C", [round(T, 1) for T in temperatures if T is not None]),
         ]
-        words = f"{self.name}: {', '.join([self._count(), *filter(None, spans)])}"
+        known = len(runs) - temperatures.count(None)
+        spans[2] += f" ({known} of {len(runs)} runs)" if 0 < known < len(runs) else ""
+        specimens = len({run.setup.specimen for run in runs})
+        several = [f"{specimens} specimens"] if specimens > 1 else []
+        words = f"{self.name}: {', '.join([self._count(), *several, *filter(None, spans)])}"
         return "\n".join([words, *self.left_out, *self.remarks])
 
     def _count(self) -> str:

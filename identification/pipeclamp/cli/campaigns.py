@@ -147,7 +147,7 @@ def rig(
             asked = planned(replace(asked, cycles=FULL_CYCLES, ramp_cycles=RAMP_CYCLES), runs_of)
         ids, declarations = read_effects(names_in(effects), declared or ())
         file = opened_law(law)
-        truth = truth_of(file, ids, values_in(set_values), asked, declarations)
+        truth = truth_of(file, ids, values_in(set_values, "--set"), asked, declarations)
         runs = virtual_runs(truth.law, asked, truth.conditions)
         notes = f"Virtual rig: {command_called()}"
         count = write_campaign(output, runs, name=output.name, notes=notes, format=format.value, progress=tell)

@@ -19,9 +19,44 @@ _usage_error: Any = typer.BadParameter.__bases__[0]
 """What Typer raises where a command line can't be read; of its kinds it exports this one's child alone."""
 
 
+def _say_what_was_got(error: Any) -> None:
+    """Where an option takes a number, say what stood there: a comma for a decimal point, most often."""
+    refused = error.__cause__
+    if not hasattr(refused, "errors"):
+        return
+    first = refused.errors(include_url=False)[0]
+    expected = {"float_parsing": "a number, with a point", "int_parsing": "a whole number"}.get(first["type"])
+    if expected is None:
+        error.message = error.message.removeprefix("Value error, ")
+        return
+    got = str(first["input"])
+    pointed = got.replace(",", ".")
+    error.message = f"got {got!r}; expected {expected}{f': {pointed}' if _is_decimal(pointed) and ',' in got else ''}"
+
+
+def _is_decimal(text: str) -> bool:
+    return re.fullmatch(r"[+-]?\d+\.\d+", text) is not None
+
+
+def _last_missing(error: Any) -> None:
+    """Where one word was given for several arguments, of which the first takes many, name the one that is missing.
+
+    The word counts as the last argument, and the first would be called missing.
+    """
+    first = error.param
+    if first.nargs != -1 or error.ctx is None:
+        return
+    given, _, _ = error.ctx.command.make_parser(error.ctx).parse_args(sys.argv[2:])
+    behind = [each for each in error.ctx.command.params if each.param_type_name == "argument" and each is not first]
+    if any(given.get(each.name) for each in behind):
+        error.param = behind[-1]
+
+
 def _say_the_line(error: Any, parameters: Sequence[Any]) -> None:
     """Where an option is missing, or the file that it takes, add the whole line to run to what is said."""
     missing = getattr(error, "param", None) if hasattr(error, "param_type") else None
+    if missing is not None and missing.param_type_name == "argument":
+        _last_missing(error)
     if missing is not None and missing.param_type_name == "option":
         error.message = f"Run: {line_called()} {missing.opts[0]} {missing.metavar}"
     option = getattr(error, "option_name", "")
@@ -42,6 +77,7 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except _usage_error as error:
+            _say_what_was_got(error)
             _say_the_line(error, self.commands[ctx.invoked_subcommand].params if ctx.invoked_subcommand else ())
             raise
 

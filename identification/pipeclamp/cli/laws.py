@@ -152,7 +152,7 @@ def identify(
     spare(campaign, *(declared or ()), outputs=(output, report))
     with showing_progress("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
-        held = tuple(sorted(values_in(freeze).items()))
+        held = tuple(sorted(values_in(freeze, "--freeze").items()))
         structure = Structure(base.value, tuple(ids), held).with_declared(declarations)
         tests = read_and_tell(campaign, strict, tell)
         provenance = Provenance(command_called(), None if reproducible else now())

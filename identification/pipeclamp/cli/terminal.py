@@ -181,6 +181,8 @@ def opened_law(name_or_path: str) -> LawFile:
     from pipeclamp_models.law.bundled import open_law
     from pipeclamp_models.law.file import is_newer
 
+    if Path(name_or_path).is_dir() and not (Path(name_or_path) / "runs.csv").exists():
+        raise UserError(f"{name_or_path}: a folder; expected a law's file")
     if name_or_path in bundled_campaigns() or Path(name_or_path).is_dir():
         raise UserError(f"{name_or_path}: a campaign; expected a law there: the law comes first, the tests after it")
     file = open_law(name_or_path)
@@ -289,18 +291,19 @@ def names_in(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def values_in(text: str) -> dict[str, float]:
+def values_in(text: str, option: str) -> dict[str, float]:
     """Give the numbers that commas separate, by name.
 
     Raises:
-        UsageError: not all are name=number.
+        UsageError: not all are name=number; it says the option.
     """
-    values = {}
+    values: dict[str, float] = {}
     for entry in names_in(text):
         name, equals, number = entry.partition("=")
         if not equals:
-            raise UsageError(f"got {entry!r}; expected name=value, for example k1_T=0")
-        values[name.strip()] = numbers_in(number, name)[0]
+            point = "; a decimal has a point" if entry.isdecimal() and values else ""
+            raise UsageError(f"{option}: got {entry!r} in {text!r}; expected name=value, for example k1_T=0{point}")
+        values[name.strip()] = numbers_in(number, f"{option}: {name.strip()}")[0]
     return values
 
 

@@ -14,7 +14,7 @@ from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp_identification.comparison.in_the_middle import middle_of_range
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import REFERENCES, signal_in_range
-from pipeclamp_models.base.units import unit_shown
+from pipeclamp_models.base.units import CELSIUS, unit_shown
 from pipeclamp_models.equations.symbols import FIXED, SLOW
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
@@ -82,16 +82,22 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
         follows = [name for name in ranges if name in free and not coefficient.expression.is_Symbol]
         varied = [name for name in follows if not _is_flat(level(index, {name: ranges[name]}))]
         label = f"{coefficient.symbol} / {unit_shown(coefficient.unit)}"
-        axes = {name: f"{name} / {unit_shown(known[name].unit)}" if name in own else columns[name] for name in varied}
+        shown = {name: _shown(name, known[name].unit) if name in own else columns[name] for name in varied}
+        drawn = {name: ranges[name] - CELSIUS if name == "T" else ranges[name] for name in varied}
         for x, y in itertools.combinations(varied, 2):
             surface = level(index, {x: ranges[x][None, :], y: ranges[y][:, None]})
             title = f"{coefficient.symbol}({x}, {y})"
-            figures.append(surface_picture(axes[x], axes[y], ranges[x], ranges[y], surface, label, title))
+            figures.append(surface_picture(shown[x], shown[y], drawn[x], drawn[y], surface, label, title))
         if len(varied) == 1:
             (x,) = varied
-            curve = (str(coefficient.symbol), ranges[x].tolist(), level(index, {x: ranges[x]}).tolist(), "lines")
-            figures.append(curves_picture(axes[x], label, [curve], f"{coefficient.symbol}({x})"))
+            curve = (str(coefficient.symbol), drawn[x].tolist(), level(index, {x: ranges[x]}).tolist(), "lines")
+            figures.append(curves_picture(shown[x], label, [curve], f"{coefficient.symbol}({x})"))
     return figures
+
+
+def _shown(name: str, unit: str) -> str:
+    """Give what stands at an axis: temperatures as tests state them, though the law's equations are in K."""
+    return f"{name} / {'°C' if name == 'T' else unit_shown(unit)}"
 
 
 def _is_flat(values: Array) -> bool:

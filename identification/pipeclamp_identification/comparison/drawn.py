@@ -55,10 +55,11 @@ def drawn_runs(loops: Loops, laws: Sequence[ComparedLaw], points: int = MOST_POI
         laws: each held against them, one at least.
         points: N at most; a run with fewer samples a cycle has as many as those.
     """
-    return tuple(_drawn(loops, laws, row, points) for row in range(len(loops.run)))
+    return tuple(drawn_run(loops, laws, row, points) for row in range(len(loops.run)))
 
 
-def _drawn(loops: Loops, laws: Sequence[ComparedLaw], row: int, points: int) -> DrawnRun:
+def drawn_run(loops: Loops, laws: Sequence[ComparedLaw], row: int, points: int = MOST_POINTS) -> DrawnRun:
+    """Give what is drawn of one run, by its row; see `drawn_runs`."""
     misfits = [law.runs[row] for law in laws]
     phase, measured = misfits[0].phase, misfits[0].measured
     parts = max(min(points, len(phase) // len(loops.cycles[row])), 1)

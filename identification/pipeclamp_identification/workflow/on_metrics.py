@@ -26,6 +26,7 @@ from pipeclamp_identification.metrics_only.law import (
 )
 from pipeclamp_identification.metrics_only.valleys import fit_to_metrics
 from pipeclamp_identification.workflow.tests import RefittedLaw
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.base.progress import Progress, silent
@@ -111,6 +112,10 @@ class MetricTests:
     def compare(self, file: LawFile) -> MetricComparison:
         """Hold a law against the metrics, see `Tests.compare`."""
         return compare_metrics(file, self.campaign)
+
+    def record(self, run: str) -> Mapping[str, Array]:
+        """Refuse: there are no records, see `Tests.record`."""
+        raise UserError(f"run {run!r}: these tests are metrics without records; expected records of the loops")
 
     def metrics(self) -> MetricCampaign:
         """Give the metrics, see `Tests.metrics`."""

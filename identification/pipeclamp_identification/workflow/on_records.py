@@ -18,9 +18,11 @@ from pipeclamp_identification.fitting.misfit import known_noise, misfits, overal
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.workflow.tests import RefittedLaw
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.base.progress import Progress, silent
+from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
 from pipeclamp_models.law.law import BASE_LAW, Law, Structure
@@ -169,6 +171,14 @@ class RecordTests:
         from pipeclamp_identification.comparison.compare import compare
 
         return compare(file, self.campaign, self.loops)
+
+    def record(self, run: str) -> Mapping[str, Array]:
+        """Give the samples of a run's record, see `Tests.record`; repaired where that could be."""
+        records = {each.name: each.record for each in self.campaign.runs}
+        records |= {each.name: each.record for each in self.campaign.free}
+        if run not in records:
+            raise UserError(unknown(run, list(records), "run"))
+        return records[run].channels
 
     def metrics(self) -> MetricCampaign:
         """Give the loops by their metrics alone, see `Tests.metrics`."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pipeclamp_identification.diagnosis.named import Naming
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import BASE_LAW, Structure
@@ -174,6 +175,13 @@ class Tests(Protocol):
 
         Raises:
             UserError: the law needs a condition that the tests don't state.
+        """
+
+    def record(self, run: str) -> Mapping[str, Array]:
+        """Give the samples of a run's record by channel, in our units.
+
+        Raises:
+            UserError: there is no such run, or no record of it.
         """
 
     def metrics(self) -> MetricCampaign:

@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.law.catalogue import identifiers
 from pipeclamp_models.law.file import LawFile, parse_law, read_law
 
 
@@ -25,6 +26,8 @@ def open_law(name_or_path: str) -> LawFile:
     if path.exists() or path.suffix:
         return read_law(path)
     names = bundled_laws()
+    if name_or_path.partition(":")[0] in identifiers():
+        raise UserError(f"{name_or_path}: an effect; expected a law there: law, effect, tests come in this order")
     if name_or_path not in names:
         raise UserError(
             f"{name_or_path}: no such file, and no bundled law of that name; {did_you_mean(name_or_path, names)}"

@@ -399,6 +399,10 @@ def parse_law(text: str, where: str) -> LawFile:
     try:
         file = LawFile.model_validate_json(text, strict=False)
     except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        if first["type"] == "json_invalid" and "EOF" in first["msg"]:
+            line = text.count("\n") + 1
+            raise UserError(f"{where}: the JSON breaks off in line {line}; expected the whole file") from error
         raise UserError(f"{where}: {explained(error)}; expected schema {SCHEMA}") from error
     try:
         law_of(file)

@@ -89,7 +89,7 @@ def _margin(interval: Interval) -> float:
 
 
 def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Array]) -> dict[str, str]:
-    """Find the runs outside the law's range, by more than 2 % of it, and say what is outside.
+    """Find the runs outside the law's range, by more than 2 % of it, and say what is outside; temperatures in °C.
 
     Args:
         file: the law.
@@ -99,9 +99,9 @@ def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Arra
     found: dict[str, list[str]] = {}
     for name, interval in file.range.items():
         margin = _margin(interval)
+        zero, unit = (CELSIUS, "°C") if name == "T" else (0.0, interval.unit)
+        law = f"{interval.minimum - zero:.4g} to {interval.maximum - zero:.4g}"
         for run, value in zip(runs, columns.get(name, ()), strict=False):
             if not interval.minimum - margin <= value <= interval.maximum + margin and math.isfinite(value):
-                found.setdefault(run, []).append(
-                    f"{name} = {value:.4g} {interval.unit}, law: {interval.minimum:.4g} to {interval.maximum:.4g}"
-                )
+                found.setdefault(run, []).append(f"{name} = {value - zero:.4g} {unit}, law: {law}")
     return {run: "; ".join(texts) for run, texts in found.items()}

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import (
     Celsius,
     NotNegative,
@@ -16,7 +17,8 @@ from pipeclamp_models.base.toml_file import (
     TomlTable,
     looked_up,
     parse_table,
-    read_table,
+    read_toml,
+    validated,
 )
 from pipeclamp_models.pipe.materials import find_fluid, find_material
 
@@ -276,7 +278,10 @@ def read_pipe(path: Path) -> PipeDescription:
     Raises:
         UserError: the file is missing, is not TOML, or describes no pipe; the message names the place.
     """
-    return read_table(path, PipeDescription)
+    content = read_toml(path)
+    if "run" in content and "ends" not in content:
+        raise UserError(f"{path}: describes a system; expected a pipe there, the file that its [pipe] names")
+    return validated(content, PipeDescription, str(path))
 
 
 def parse_pipe(text: str, where: str = "pipe") -> PipeDescription:

@@ -86,7 +86,9 @@ def _finite(name: str, values: npt.ArrayLike) -> Array:
         raise UserError(f"force: {name}: got {values!r}; expected numbers") from error
     if not np.all(np.isfinite(array)):
         place = np.argwhere(~np.isfinite(array))[0].tolist()
-        raise UserError(f"force: {name}: not finite at index {place}; expected finite numbers")
+        at = f" at index {', '.join(map(str, place))}" if place else ""
+        got = array[tuple(place)]
+        raise UserError(f"force: {name}: got {got:g}{at}; expected finite numbers")
     return array
 
 
@@ -106,10 +108,10 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
                 f"{', '.join(dict.fromkeys(columns))}"
             )
     values = {signals[name]: _finite(name, value) for name, value in given.items()}
-    for signal in sorted(follows - set(values)):
-        raise UserError(
-            f"force: law {law} follows {_column(signal)}, which isn't given; expected {_column(signal)}=..."
-        )
+    if absent := [_column(signal) for signal in sorted(follows - set(values))]:
+        given_not = "which isn't given" if len(absent) == 1 else "which aren't given"
+        expected = ", ".join(f"{name}=..." for name in absent)
+        raise UserError(f"force: law {law} follows {', '.join(absent)}, {given_not}; expected {expected}")
     for name in ("A", "f"):
         if name in values and np.any(values[name] <= 0):
             raise UserError(f"force: {name}: got {np.min(values[name]):g}; expected numbers above 0")

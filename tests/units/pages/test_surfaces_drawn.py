@@ -30,3 +30,11 @@ def test_what_a_coefficient_hardly_follows_is_not_drawn(values, drawn, not_drawn
     """A stiffness of 3e-13 N/mm had been drawn with an axis from 316.56744f to 316.56754f."""
     found = titles(**values)
     assert drawn in found and not_drawn not in found
+
+
+def test_temperatures_are_drawn_as_tests_state_them():
+    pictures = surface_pictures(law_of(FILE), FILE)
+    told = [axis.title.text for one in pictures for axis in (one.layout.xaxis, one.layout.yaxis)]
+    assert {words for words in told if words.startswith("T")} == {"T / °C"}
+    (over,) = [one.data[0].y for one in pictures if one.layout.title.text == "k1(A, T)"]
+    assert (min(over), max(over)) == pytest.approx((20.0, 300.0), abs=1.0)

@@ -9,6 +9,7 @@ const DARK = {
 const PAPER_WIDTH = 680;
 const TITLE_CHARACTER = 8.1; // px, of a title at 15 px, where the font is a wide one
 const TITLE_LINE = 20;
+const BUTTONS = 56; // px, of those that save a picture, at its right edge
 const LEGEND_CHARACTER = 6.8; // px, of an entry at 12 px
 const LEGEND_SYMBOL = 50; // px, with the room about it
 const LEGEND_LINE = 19;
@@ -48,7 +49,7 @@ function fitting(element, specification) {
   return { fitted: narrow && width && width < least ? { data: specification.data, ...narrow } : specification, width };
 }
 
-// Plotly cuts titles that are wider than the picture.
+// Plotly cuts titles that are wider than the picture, and draws its buttons over them.
 function withTitleWrapped(layout, width) {
   const text = layout.title?.text;
   if (!text || !width) return;
@@ -118,7 +119,8 @@ function drawIn(element, specification) {
   if (specification.narrow) element.style.height = fitted === specification ? "" : `${layout.height}px`;
   const seen = onPaper ? width : element.closest("figure")?.clientWidth || width;
   const scrolls = width > seen + 4;
-  withTitleWrapped(layout, scrolls ? seen - FADE : seen);
+  const titled = onPaper ? seen : Math.min(seen, width - BUTTONS);
+  withTitleWrapped(layout, scrolls ? Math.min(seen - FADE, titled) : titled);
   withNamesWrapped(layout, data, scrolls ? seen - FADE : seen);
   if (scrolls) withLegendSeen(layout, data, seen - FADE);
   if (onPaper) layout.width = PAPER_WIDTH;
