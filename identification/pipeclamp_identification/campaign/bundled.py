@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.files import set_aside
-from pipeclamp_models.law.catalogue import identifiers
+from pipeclamp_models.law.bundled import refuse_effect
 
 
 def bundled_campaigns() -> tuple[str, ...]:
@@ -31,8 +31,7 @@ def campaign_folder(path: Path) -> Path:
     name, names = str(path), bundled_campaigns()
     if name in names:
         return bundled_campaign(name)
-    if name.partition(":")[0] in identifiers():
-        raise UserError(f"{name}: an effect; expected a campaign there: law, effect, tests come in this order")
+    refuse_effect(name, "a campaign")
     raise UserError(
         f"{path}: no such folder, and no bundled campaign of that name; {did_you_mean(name, names)}expected a "
         f"campaign's folder with campaign.toml and runs.csv, or one of {', '.join(names)}"
