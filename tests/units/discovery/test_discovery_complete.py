@@ -119,7 +119,7 @@ def test_a_term_with_something_added_comes_back_as_the_term():
 
 @pytest.mark.parametrize(("holding", "proposed"), [("beside", "beside"), ("", "instead"), ("instead", "instead")])
 def test_where_the_best_term_does_not_hold_on_all_tests_the_next_is_put_in(tests, holding, proposed, monkeypatch):
-    """Of a creeping arm the term in the place of an effect foretold all tests worse, and nothing was proposed."""
+    """A term in the place of an effect may foretell all tests worse; a search had ended there."""
     term = next(iter(terms(("A", "f"), {})))
     best, next_best = (
         TermFound(term, None, None, (), "", (Guard("asked", True, ""),), gone) for gone in (("instead",), ("beside",))
