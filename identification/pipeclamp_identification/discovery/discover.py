@@ -78,12 +78,14 @@ class TermSearch:
         found: the best term, whether it passed or not; None where none was looked at.
         tried: terms that were evaluated.
         reason: why nothing is proposed; empty where something is.
+        others: terms that passed in other places, for the best one may not hold on all tests.
     """
 
     diagnosed: RecordDiagnosed
     found: TermFound | None
     tried: int
     reason: str = ""
+    others: tuple[TermFound, ...] = ()
 
 
 def search(
@@ -152,9 +154,12 @@ def search(
     if not heard:
         return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
-    result = with_rivals_elsewhere(best_heard(heard, problem), heard, problem.loops)
+    best = best_heard(heard, problem)
+    result = with_rivals_elsewhere(best, heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
-    return TermSearch(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+    others = sorted((one for one in heard if one.passed and one is not best), key=lambda one: one.judged.squares)
+    reason = f"{result.term.acts_like}: {failed.words}" if failed else ""
+    return TermSearch(found, result, len(every), reason, tuple(others))
 
 
 def terms_asked(problem: Problem) -> list[Term]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 
-from pipeclamp_identification.discovery.discover import search
+from pipeclamp_identification.discovery.discover import TermSearch, search
 from pipeclamp_identification.discovery.guards import Guard, passive
+from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import TermProposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
 from pipeclamp_identification.workflow.change import add_effect, without_spares
@@ -29,7 +31,8 @@ def discover(
 ) -> TermProposal:
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
-    Effects that the law does as well without, now that it has the term, go: a part may have stood for it.
+    Effects that the law does as well without, now that it has the term, go: a part may have stood for it. Where the law
+    with the best term doesn't hold on all tests, what passed in another place is put in.
 
     Args:
         file: the law.
@@ -46,17 +49,43 @@ def discover(
     found = search(file, tests.sines, tests.loops, declared=declared, workers=workers)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
-    proposal = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
     if found.found is None or not found.found.passed:
-        return proposal
+        return TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+    refusals = []
+    for one in (found.found, *found.others):
+        proposal = _put_in(one, replace(found, found=one), file, tests, command, declared, workers)
+        if proposal.proposed:
+            return proposal
+        refusals.append(proposal)
+    return refusals[0]
+
+
+def _put_in(
+    best: TermFound,
+    found: TermSearch,
+    file: LawFile,
+    tests: RecordTests,
+    command: str,
+    declared: Collection[Declaration],
+    workers: Workers,
+) -> TermProposal:
+    """Put a term that passed into a law, fitted to all tests; take it back where the law with it doesn't hold.
+
+    Args:
+        best: the term.
+        found: the search, with it.
+        file, tests, command, declared, workers: as for `discover`.
+    """
+    noise, guards = found.diagnosed.comparison.known_noise, best.guards
+    proposal = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
     workers.tell("refit with the term to all tests")
     provenance = Provenance(command, file.date)
-    asked, values = found.found.term.declaration, dict(found.found.judged.result.law.values)
+    asked, values = best.term.declaration, dict(best.judged.result.law.values)
     term = renamed(asked, {*law_of(file).equations.names, *symbols_taken()})
     own = {new.symbol: values.pop(old.symbol) for old, new in zip(asked.parameters, term.parameters, strict=True)}
     added = add_effect(
         file, term.id, tests,
-        provenance=provenance, declared=(*declared, term), start={**values, **own}, instead=found.found.gone,
+        provenance=provenance, declared=(*declared, term), start={**values, **own}, instead=best.gone,
         progress=workers.tell,
     )  # fmt: skip
     before, after = added.heldout
@@ -73,5 +102,5 @@ def discover(
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
     heldout = BeforeAfter(before, steps[-1].heldout.after)
-    gone = (*found.found.gone, *(change.step.effect for change in steps[1:]))
+    gone = (*best.gone, *(change.step.effect for change in steps[1:]))
     return TermProposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)

@@ -16,6 +16,8 @@ from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import Guard
 from pipeclamp_identification.discovery.hearing import Hearing, RefittedTerm, TermFound
 from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_identification.workflow import discover as putting
+from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Provenance, law_of
@@ -113,3 +115,22 @@ def test_a_term_with_something_added_comes_back_as_the_term():
     hearing = Hearing(evaluation, [], refitted, None)
     assert hearing.alike(0).tolist() == [True, True, False]
     assert hearing.alike(1).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize(("holding", "proposed"), [("beside", "beside"), ("", "instead"), ("instead", "instead")])
+def test_where_the_best_term_does_not_hold_on_all_tests_the_next_is_put_in(tests, holding, proposed, monkeypatch):
+    """A term in the place of an effect may foretell all tests worse; a search had ended there."""
+    term = next(iter(terms(("A", "f"), {})))
+    best, next_best = (
+        TermFound(term, None, None, (), "", (Guard("asked", True, ""),), gone) for gone in (("instead",), ("beside",))
+    )
+    compared = SimpleNamespace(comparison=SimpleNamespace(known_noise=None))
+    found = discover.TermSearch(compared, best, 9, "", (next_best,))
+    monkeypatch.setattr(putting, "search", lambda *given, **named: found)
+    monkeypatch.setattr(
+        putting, "_put_in",
+        lambda one, search, *rest: SimpleNamespace(proposed=one.gone == (holding,), gone=search.found.gone),
+    )  # fmt: skip
+    result = putting.discover(None, RecordTests(tests), command="")
+    assert result.gone == (proposed,)
+    assert result.proposed == bool(holding)
