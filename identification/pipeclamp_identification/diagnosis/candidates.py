@@ -237,6 +237,38 @@ def pairs(
     return each_larger_as_asked(found[:1], structure, problem, workers) + found[1:]
 
 
+def together_with_each(
+    best: Judged,
+    others: Sequence[Judged],
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    promises: Sequence[Promise],
+    workers: Workers,
+) -> list[Judged]:
+    """Fit an effect together with each of others, where both fit into a law; give these laws.
+
+    Args:
+        best: the law with the effect.
+        others: laws with one of the others each.
+        structure, problem, law: what they join.
+        promises: what each effect promises by itself.
+        workers: who does it, and who is told.
+    """
+    larger = with_effect(structure, best.effects[0])
+    asked = {effect_id(each.effects[0]) for each in others}
+    found = [
+        beside(promise, best, law)
+        for promise in promises
+        if effect_id(promise.name) in asked and fits_beside(larger, promise.name)
+    ]
+    contenders = [
+        Contender((best.effects[0], second.name), with_effect(larger, second.name), [start])
+        for _, start, second in found
+    ]
+    return judge_each(contenders, problem, workers)
+
+
 def twins(
     pair: Judged,
     structure: Structure,

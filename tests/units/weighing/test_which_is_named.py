@@ -300,6 +300,33 @@ def test_two_fitted_together_tell_whether_they_take_the_same_part(together, verd
     assert found.verdict == verdict
 
 
+def test_rivals_for_a_part_are_fitted_together_with_the_best_where_no_pair_was(monkeypatch):
+    """Near five times the noise no pairs had been fitted, and a band's tension was called a slip's rival."""
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: True)
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [each for each in asked if each is not best])
+    stand_in(monkeypatch, "screened", lambda *of: [])
+    stand_in(monkeypatch, "pairs", lambda *of: [])
+    stand_in(monkeypatch, "rests_on", lambda *of: None)
+    law = candidate("", 100.0, 100.0)
+    best, other = candidate("memory:2", 66.0, 80.0), candidate("viscous", 68.0, 90.0)
+    for each in (law, best, other):
+        each.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0, excess=9.0, most_share=9.0)
+    best.reservations = other.reservations = ()
+    pair = candidate("viscous", 19.0, 70.0)
+    pair.effects = ("memory", "viscous")
+    asked = []
+
+    def fitted(first, others, *of):
+        asked.append((first.effects[0], [each.effects[0] for each in others]))
+        return [pair]
+
+    stand_in(monkeypatch, "together_with_each", fitted)
+    found = weighed(law, [best, other])
+    assert asked == [("memory:2", ["viscous"])]
+    assert (found.verdict, found.effects, found.pair) == ("missing", ("memory:2",), None)
+    assert "viscous comes near: it takes another part" in found.reasons[0]
+
+
 def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(monkeypatch):
     best, more, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 40.0, 90.0), ("", 100.0, 100.0)))
     for each in (best, more, law):

@@ -42,20 +42,17 @@ def one_part(
     promises: Sequence[Promise],
     pairs: Sequence[Judged],
     scales: Scales,
-) -> Weighed | None:
-    """Name the effect that clearly takes most of what is missing, though much remains; None where none does.
+) -> Weighed:
+    """Name the effect that clearly takes most of what is missing, though much remains.
 
     Args:
-        able: effects that take a part beyond doubt, best first.
+        able: effects that take a part beyond doubt, one at least, best first.
         rivals: those of them that can't be told from the best.
         promises: what these promise, at least.
-        pairs: two effects together each, best first.
+        pairs: two effects together each.
         scales: all candidates.
     """
-    if not able:
-        return None
     same = [each for each in rivals if _same_part(each, able[0], promises, pairs, scales)]
-    pair = pairs[0] if pairs else None
     other_part = [each.effects[0] for each in rivals if not any(each is one for one in same)]
     alike = without_general([able[0], *same])
     if len(distinct(each.effects[0] for each in alike)) > 1:
@@ -69,13 +66,13 @@ def one_part(
     form += curve_words(best, scales.law, scales.problem)
     if len(names) > 1:
         alike_words = f"{takes}; {' and '.join(names[1:])} would take much the same part"
-        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form), others)
+        return Weighed("ambiguous", names, "part", best, None, (alike_words, *form), others)
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
     most = f"beyond doubt; {immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
     nearest = _takes_another_part(other_part[0], best, pairs, scales) if other_part else ""
     but = most or nearest or "and no rival comes near"
-    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form), others)
+    return Weighed("missing", names, "part", best, None, (f"{takes}, {but}", *form), others)
 
 
 def part_of_two(pair: Judged | None, sound: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -117,7 +114,7 @@ def _same_part(
     Where both were fitted together, that tells; else one step does.
     """
     name = other.effects[0]
-    together = _fitted_together(best, name, pairs)
+    together = fitted_together(best, name, pairs)
     if together is not None:
         own, both, alone = (explained_share(each, scales.law) for each in (other, together, best))
         return both - alone < SAME_PART_SHARE * own
@@ -129,12 +126,12 @@ def _same_part(
 
 def _takes_another_part(name: str, best: Judged, pairs: Sequence[Judged], scales: Scales) -> str:
     """Say that an effect comes near the best one with another part, and what both take where they were fitted so."""
-    together = _fitted_together(best, name, pairs)
+    together = fitted_together(best, name, pairs)
     both = f"; both together take {explained_share(together, scales.law):.0%}" if together else ""
     return f"but {name} comes near: it takes another part, which is asked next{both}"
 
 
-def _fitted_together(one: Judged, other: str, pairs: Sequence[Judged]) -> Judged | None:
+def fitted_together(one: Judged, other: str, pairs: Sequence[Judged]) -> Judged | None:
     """Give the law with both effects, of whatever size; None where they weren't fitted together."""
     ids = {effect_id(one.effects[0]), effect_id(other)}
     return next((pair for pair in pairs if {effect_id(name) for name in pair.effects} == ids), None)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pipeclamp_identification.diagnosis.candidates import likeliest, pairs, ranked, twins
+from pipeclamp_identification.diagnosis.candidates import likeliest, pairs, ranked, together_with_each, twins
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.repeats import Unstated
-from pipeclamp_identification.diagnosis.screen import screened
+from pipeclamp_identification.diagnosis.screen import Promise, screened
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, NEAR_NOISE_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.diagnosis.weighing.causes import (
     cause_of_two,
@@ -20,7 +20,13 @@ from pipeclamp_identification.diagnosis.weighing.causes import (
     unless_another_does,
 )
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
-from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, outdoes, part_of_two
+from pipeclamp_identification.diagnosis.weighing.parts import (
+    able_to_take_a_part,
+    fitted_together,
+    one_part,
+    outdoes,
+    part_of_two,
+)
 from pipeclamp_identification.diagnosis.weighing.reasons import (
     chance_words,
     few_runs_words,
@@ -110,8 +116,19 @@ def _two_or_a_part(scales: Scales, sound: Sequence[Judged]) -> tuple[Weighed | N
     pair = both[0] if both else None
     if found is None and outdoes(pair, able, scales):
         found = part_of_two(pair, sound, scales)
-    found = found or one_part(able, rivals, promises, both, scales) or part_of_two(pair, scales.sound, scales)
-    return found, pair
+    if found is None and able:
+        together = _with_rivals(able[0], rivals, promises, both, scales)
+        found = replace(one_part(able, rivals, promises, together, scales), pair=pair)
+    return found or part_of_two(pair, scales.sound, scales), pair
+
+
+def _with_rivals(
+    best: Judged, rivals: Sequence[Judged], promises: Sequence[Promise], both: Sequence[Judged], scales: Scales
+) -> list[Judged]:
+    """Give the laws with the best effect and a rival each: of those fitted already, and of others fitted now."""
+    open_yet = [each for each in rivals if fitted_together(best, each.effects[0], both) is None]
+    new = together_with_each(best, open_yet, scales.structure, scales.problem, scales.law, promises, scales.workers)
+    return [*both, *new]
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
