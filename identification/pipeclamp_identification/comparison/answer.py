@@ -25,7 +25,7 @@ from pipeclamp_identification.comparison.free_breakdown import FreeSamples
 from pipeclamp_identification.comparison.free_concentration import error_outside, free_region, outside_share
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import celsius_of
 
 
 class PartAnswer(AnswerModel):
@@ -202,7 +202,7 @@ def _free_run(run: FreeMisfit, comparison: Comparison) -> RunComparison:
         noise_nrmse=None,
         amplitude_mm=None,
         frequency_Hz=None,
-        temperature_C=run.temperature_K - CELSIUS if math.isfinite(run.temperature_K) else None,
+        temperature_C=celsius_of(run.temperature_K) if math.isfinite(run.temperature_K) else None,
         outside_range=comparison.outside.get(run.run),
         tracked_amplitude_mm=A,
         tracked_frequency_Hz=f,

@@ -29,7 +29,7 @@ from pipeclamp_identification.comparison.sums import RunSums, error_sums
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfits
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import celsius_of
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.law.range import outside_range
@@ -177,4 +177,4 @@ def where_words(comparison: Comparison) -> list[str]:
 def celsius(loops: Loops, row: int) -> float | None:
     """Give a run's temperature in degC, None where it isn't known."""
     T = float(loops.temperature_K[row])
-    return T - CELSIUS if math.isfinite(T) else None
+    return celsius_of(T) if math.isfinite(T) else None

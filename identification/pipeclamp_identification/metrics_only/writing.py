@@ -14,7 +14,7 @@ from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import metrics_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
 from pipeclamp_identification.signals.digits import rounded_to
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import celsius_of
 
 METRIC_DIGITS = 6
 """Significant digits of metrics and measured conditions: more than loops repeat to."""
@@ -34,7 +34,7 @@ def as_metrics(campaign: Campaign, loops: Loops) -> MetricCampaign:
             name=run.name,
             setup=replace(
                 run.setup,
-                temperature_C=_known(loops.temperature_K[row] - CELSIUS),
+                temperature_C=_known(celsius_of(loops.temperature_K[row])),
                 density_g_cm3=_known(loops.density_g_cm3[row]),
                 first_cycle=_digits(loops.cycle[row]),
             ),

@@ -7,6 +7,13 @@ import re
 CELSIUS = 273.15
 """0 °C in K."""
 MASS = "t"
+NANOKELVIN_DIGITS = 9
+"""Decimals of a temperature; no thermometer has more."""
+
+
+def celsius_of(kelvin: float) -> float:
+    """Give a temperature in °C, without the bits that 273.15 leaves behind: 63.3, no 63.30000000000001."""
+    return round(kelvin - CELSIUS, NANOKELVIN_DIGITS)
 
 
 def grows_with_force(unit: str) -> bool:

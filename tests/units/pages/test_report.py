@@ -25,7 +25,7 @@ from pipeclamp.pages.waterfall import LEFT_OUT, RungBars, waterfall_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.units import unit_shown
+from pipeclamp_models.base.units import celsius_of, unit_shown
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import FitQuality
 from pipeclamp_models.law.law import Structure
@@ -221,3 +221,8 @@ def test_every_statement_of_a_law_becomes_mathml(effects):
 )
 def test_a_unit_is_read_as_people_write_it(unit, shown):
     assert unit_shown(unit) == shown
+
+
+@pytest.mark.parametrize("celsius", [63.3, 20.0, -40.1, 300.7])
+def test_a_temperature_in_kelvin_comes_back_in_celsius_without_loose_bits(celsius):
+    assert celsius_of(celsius + 273.15) == celsius

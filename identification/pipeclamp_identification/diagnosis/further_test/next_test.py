@@ -25,7 +25,7 @@ from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import CONDITION
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import CELSIUS, celsius_of
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.realise.motion import Motion
@@ -182,7 +182,7 @@ class _TestSearch:
 
     def temperature(self, T: float) -> float | None:
         """Give a temperature in degC; none where that of the tests so far isn't known."""
-        return None if "T" in self.diagnosis.problem.observations.motion.assumed else T - CELSIUS
+        return None if "T" in self.diagnosis.problem.observations.motion.assumed else celsius_of(T)
 
     def proposal(self, outlook: Outlook, row: int) -> Proposal:
         """Give one of the tests that were looked at."""
