@@ -43,6 +43,24 @@ def test_a_scaled_term_is_asked_in_each_other_form(name, missing):
         assert all(np.isfinite(number_of(at, SIZES)) for one in each.effect.parameters for at in one.starts)
 
 
+SCALED_BY = ("dry_damping_by_a", "slip_by_f", "dry_damping_by_t", "slip_by_tension_n")
+STEPPING = {name: term for name, term in BY_ID.items() if "_step_" in name}
+STEPPING |= {f"{name}_{form}": forms_of(name)[form] for name in SCALED_BY for form in ("setting_in", "fading")}
+
+
+def test_nothing_steps_about_a_level_beyond_the_tests():
+    """Of a measured device's friction it had been told that it steps at 3.54 Hz, where the tests end at 2 Hz."""
+    assert {name.rpartition("_")[2] for name in STEPPING} >= {"a", "f", "t", "n", "fading"}
+    for name, term in STEPPING.items():
+        (level,) = (one for one in term.effect.parameters if one.name == LEVEL)
+        lower, upper = (None if bound is None else number_of(bound, SIZES) for bound in (level.lower, level.upper))
+        ends = [size for key, size in SIZES.items() if key.endswith("_highest")] + [*VARIED[1].values()]
+        assert upper in ends, name
+        assert all(number_of(start, SIZES) < upper for start in level.starts)
+        if name.endswith("_t") or "_by_t_" in name:
+            assert lower == SIZES["T_lowest"]
+
+
 @pytest.mark.parametrize(("signal", "low", "level", "high"), [("a", 0.0, 0.4, 5.0), ("t", 150.0, 400.0, 2000.0)])
 def test_each_form_goes_where_it_says(signal, low, level, high):
     plain = BY_ID["viscous_damping"]

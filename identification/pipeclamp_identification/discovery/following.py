@@ -20,6 +20,7 @@ from pipeclamp_identification.discovery.grammar import (
     id_of,
     named,
     scales_of,
+    within_tests,
 )
 from pipeclamp_identification.discovery.shapes import RATE, STRENGTH, Entry, scaling
 from pipeclamp_models.law.declaration import Declaration
@@ -88,8 +89,9 @@ def _forms(signal: str, size: float) -> Iterator[Following]:
     if signal != "T":  # what is far from zero levels off nowhere
         yield Following("levelling", f"(abs({plain}) / (abs({plain}) + abs({LEVEL})))",
                         f"with the {name} and levelling off", (level,))  # fmt: skip
-    yield Following("setting_in", f"((1 + {turned}) / 2)", f"setting in about a level of the {name}", (level, width))
-    yield Following("fading", f"((1 - {turned}) / 2)", f"fading about a level of the {name}", (level, width))
+    about = ({**level, **within_tests(signal, reach)}, width)
+    yield Following("setting_in", f"((1 + {turned}) / 2)", f"setting in about a level of the {name}", about)
+    yield Following("fading", f"((1 - {turned}) / 2)", f"fading about a level of the {name}", about)
 
 
 def _following(term: Term, scale: Scale, form: Following) -> Term:

@@ -169,6 +169,18 @@ STEPS = {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}
 """And steps of each by which growth is stated."""
 
 
+def within_tests(signal: str, size: str) -> Entry:
+    """Give the bounds of a level about which something steps: beyond the tests nothing shows a step.
+
+    Args:
+        signal: that is followed.
+        size: of a further column, its largest magnitude.
+    """
+    if signal == "T":
+        return {"lower": "T_lowest", "upper": "T_highest"}
+    return {"upper": f"{signal}_highest" if signal in FOLLOWED_CONDITIONS else size}
+
+
 def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
     """Give factors > 0 on a coefficient of the law: power, exponential, bent, from a level on, levelling off."""
     if signal in conditions:
@@ -183,6 +195,7 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
     width: Entry = {"symbol": "w_x", "unit": unit, "meaning": f"change of {signal} in which it steps",
              "start": (f"0.05 * {reach}", f"0.15 * {reach}"), "lower": f"0.01 * {reach}", "upper": reach}  # fmt: skip
+    stepped: Entry = {**level, **within_tests(signal, size)}
     past = f"(max({plain} - l_x, 0) / {size})**1"
     forms: list[tuple[str, str, str, tuple[Entry, ...]]] = [
         ("power", f"log({above})", "changes with a power of", ()),
@@ -190,7 +203,7 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         ("bent", f"({pure})**2", "changes with the square of", ()),
         ("beyond", past, "changes exponentially beyond a level of", (level,)),
         ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
-        ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (level, width)),
+        ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (stepped, width)),
     ]
     if signal != "T":
         forms.append(("growing", f"log(1 + abs({plain} / l_x))", "changes beyond a level with a power of", (level,)))
