@@ -6,7 +6,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.diagnosis.named import parts_of
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -104,11 +103,11 @@ def helps(steps: Sequence[LawChange]) -> bool:
     return steps[-1].heldout.after < steps[0].heldout.before
 
 
-def takes_half(steps: Sequence[LawChange]) -> bool:
-    """Tell whether these steps take half of the mean square beyond scatter on left-out conditions."""
+def takes(steps: Sequence[LawChange], share: float) -> bool:
+    """Tell whether these steps take such a share of the mean square beyond scatter on left-out conditions."""
     before, after = steps[0].heldout.before, steps[-1].heldout.after
     scatter = steps[0].noise_nrmse or 0.0
-    return before**2 - after**2 >= HALF_TAKEN_SHARE * (before**2 - scatter**2)
+    return before**2 - after**2 >= share * (before**2 - scatter**2)
 
 
 def remove_effect(

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.workflow.change import (
     LawChange,
     add_effects,
@@ -18,7 +19,7 @@ from pipeclamp_identification.workflow.change import (
     fits_samples,
     helps,
     stays_as_good,
-    takes_half,
+    takes,
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
@@ -228,7 +229,7 @@ class Climber:
         tried = self._until_one_helps(place, found)
         helped = bool(tried) and helps(tried[-1])
         parts = parts_of(place.file)
-        goes_well = helped and (takes_half(tried[-1]) or not parts)
+        goes_well = helped and (takes(tried[-1], HALF_TAKEN_SHARE) or not parts)
         rung = None if goes_well else self._with_something_exchanged(place.file, parts if helped else None)
         if helped and (rung is None or tried[-1][-1].heldout.after <= rung.change.heldout.after):
             self.seen(found, place.file)

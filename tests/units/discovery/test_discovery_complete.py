@@ -22,6 +22,7 @@ from pipeclamp_models.base.processes import ALONE
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Provenance, law_of
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.step import BeforeAfter
 
 PLAN = replace(Plan((0.3, 0.6, 1.0), (1.0, 4.0), (20.0,), seed=4), rate=400.0, repeats=1)
 PARTS = ("hardening", "asymmetry")
@@ -134,3 +135,20 @@ def test_where_the_best_term_does_not_hold_on_all_tests_the_next_is_put_in(tests
     result = putting.discover(None, RecordTests(tests), command="")
     assert result.gone == (proposed,)
     assert result.proposed == bool(holding)
+
+
+@pytest.mark.parametrize(
+    ("after", "beside", "passes", "told"),
+    [
+        (0.1540, True, False, "less than 5% of what is missing there"),
+        (0.1496, True, True, ""),
+        (0.1540, False, True, ""),  # fewer parameters in the place of effects
+        (0.1560, True, False, ""),
+    ],
+)
+def test_a_term_beside_a_law_takes_a_material_part_on_all_tests(after, beside, passes, told):
+    """Of a measured device a slip force that follows the frequency was proposed for 15.51 to 15.40 %."""
+    change = SimpleNamespace(heldout=BeforeAfter(0.1551, after), noise_nrmse=0.0475)
+    guard = putting._on_all_tests(change, beside=beside)
+    assert guard.passed is passes
+    assert (told in guard.words) if told else guard.words.endswith(f"{after:.2%}")
