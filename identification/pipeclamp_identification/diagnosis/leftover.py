@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.run_scatter import Directions
 from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NOISE_RATIO, LINE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.loops.loops import Loops, on_grid
@@ -93,8 +94,8 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     # An average leaves noise with zeros of its own, beside which anything looks like a line.
     smoothed = bool(campaign.smoothing.force)
     lines = () if smoothed else time_locked_lines(campaign, misfits)
-    found = (_harmonic_words(judged), _place_words(shape, phase))
-    words = (*found, *_condition_words(residual, problem), *_trend_words(residual, problem))
+    found, varied = (_harmonic_words(judged), _place_words(shape, phase)), _varied(problem.loops)
+    words = (*found, *_condition_words(residual, varied), *_trend_words(residual, varied, problem.noise.directions))
     not_periodic = []
     if lines:
         named = few_of([f"{line:.2f} Hz" for line in lines], MOST_LINES_NAMED)
@@ -190,10 +191,10 @@ def _correlation(values: Array, of: Array) -> float:
     return slope if worth else 0.0
 
 
-def _condition_words(residual: Array, problem: Problem) -> list[str]:
+def _condition_words(residual: Array, varied: Mapping[str, Array]) -> list[str]:
     """Say with which conditions it grows: rank correlation of each run's residual with the conditions."""
     size = np.log(np.sqrt(np.sum(residual**2, axis=1)) + 1e-9)
-    slopes = {name: _correlation(values, size) for name, values in _varied(problem.loops).items()}
+    slopes = {name: _correlation(values, size) for name, values in varied.items()}
     return [
         f"it {'grows' if slope > 0 else 'falls'} with {name} (rank correlation {slope:.2f})"
         for name, slope in slopes.items()
@@ -201,19 +202,18 @@ def _condition_words(residual: Array, problem: Problem) -> list[str]:
     ]
 
 
-def _trend_words(residual: Array, problem: Problem) -> list[str]:
+def _trend_words(residual: Array, varied: Mapping[str, Array], off: Directions) -> list[str]:
     """Say over which conditions stiffness and damping go another way than the law's, the clearest first.
 
     Where a law is too stiff at one end and too soft at the other, what is left is as large at both.
     """
-    off = problem.noise.directions
     found: list[tuple[float, str]] = []
     for what, direction in (("stiffness", off.elastic), ("damping", off.damping)):
         squares = np.sum(direction**2, axis=1)
         if not np.all(squares > 0):
             continue
         share = np.sum(residual * direction, axis=1) / squares
-        for name, values in _varied(problem.loops).items():
+        for name, values in varied.items():
             slope = _correlation(values, share)
             low, high = (
                 float(np.median(share[end]))
