@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from project import DATA, ROOT
 
+import pipeclamp as pc
 from pipeclamp.__main__ import main
 
 ROOMS = [str(ROOT / room) for room in ("models", "fmu_src", "identification")]
@@ -158,3 +159,9 @@ def small(pipeclamp: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     plan = ("--amplitudes", "0.3,0.9", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "300")
     pipeclamp("rig", "emwm2", "-o", path, *plan)
     return path
+
+
+@pytest.fixture(scope="session")
+def tests(small: Path) -> pc.Tests:
+    """That campaign, as Python reads it."""
+    return pc.read_campaign(small)

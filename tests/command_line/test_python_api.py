@@ -30,11 +30,6 @@ DOCUMENTED_ELSEWHERE = {
 
 
 @pytest.fixture(scope="module")
-def tests(small):
-    return pc.read_campaign(small)
-
-
-@pytest.fixture(scope="module")
 def law(tests):
     return pc.identify(tests)
 

@@ -11,11 +11,6 @@ import pipeclamp as pc
 
 
 @pytest.fixture(scope="module")
-def tests(small):
-    return pc.read_campaign(small)
-
-
-@pytest.fixture(scope="module")
 def law(tests):
     return pc.identify(tests)
 
