@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.named import WITH
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
-from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD, SAME_ERROR_SHARE
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
@@ -103,7 +103,7 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
             continue
         asked.append(name)
         without, with_it = (_squares_left_out(each, problem, np.where(edge, 0, -1)) for each in (law, found))
-        if with_it > without + RIVAL_LIKELIHOOD:
+        if foretold_worse(without, with_it):
             worse.append(f"{name} ({without:.0f} -> {with_it:.0f} squares)")
             if len(number_levels(values[~edge], relative=SAME_SHARE)) == FEWEST_LEVELS_LEFT:
                 few.append(name)
@@ -142,12 +142,21 @@ def worse_between_levels(law: Judged, found: Judged, problem: Problem) -> str:
     worse = []
     for name, groups in levels_between(problem.loops).items():
         without, with_it = (_squares_left_out(each, problem, groups) for each in (law, found))
-        if with_it > without + RIVAL_LIKELIHOOD:
+        if foretold_worse(without, with_it):
             worse.append(name)
     if not worse:
         return ""
     names = " and ".join(worse)
     return f"left out, a {names} between others is foretold worse with it than without: test at more levels of {names}"
+
+
+def foretold_worse(without: float, with_it: float) -> bool:
+    """Tell whether squares that are left out tell against a term: less likely, and by more than a fit's own change.
+
+    Where the law is far from what is left out, with the term or without it, tens of thousands of squares differ by some
+    however little the term does there.
+    """
+    return with_it > without + RIVAL_LIKELIHOOD and with_it > (1 + SAME_ERROR_SHARE) ** 2 * without
 
 
 def levels_between(loops: Loops) -> dict[str, IntArray]:
