@@ -310,11 +310,21 @@ def stiffness_frequency(motion: Motion, base: BaseLaw, rough: bool, size: float,
     return Part(stiffness=motion.f**size * np.ones_like(motion.A))
 
 
-def loosening(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Stiffness that drifts with load cycles; rough: with their logarithm."""
+def _drift(motion: Motion, rough: bool, size: float, shape: Shape) -> Array:
+    """Give a factor that drifts with load cycles; rough: with their logarithm."""
     size = size * np.copysign(1.0, shape["sign"] - 0.4)
     seen = motion.cycles_seen / shape["cycles"]
-    return Part(stiffness=1 + size * (np.log1p(3 * seen) / np.log(4.0) if rough else -np.expm1(-seen)))
+    return 1 + size * (np.log1p(3 * seen) / np.log(4.0) if rough else -np.expm1(-seen))
+
+
+def loosening(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness that drifts with load cycles; rough: with their logarithm."""
+    return Part(stiffness=_drift(motion, rough, size, shape))
+
+
+def fade(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Damping that drifts with load cycles; rough: with their logarithm."""
+    return Part(damping=_drift(motion, rough, size, shape))
 
 
 def density(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -382,6 +392,7 @@ EFFECTS: dict[str, Kind] = {
     "contact_growth": Kind(contact_growth),
     "stiffness_frequency": Kind(stiffness_frequency, most=0.3),
     "loosening": Kind(loosening, most=0.4, needs="cycles"),
+    "fade": Kind(fade, start=0.05, needs="cycles"),
     "density": Kind(density, most=1.5, needs="density"),
     "condition": Kind(condition, needs="condition"),
     "offset": Kind(offset, most=0.2),

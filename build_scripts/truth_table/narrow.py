@@ -28,6 +28,7 @@ IMITATIONS = {
     ("coulomb", "viscous"): ANY, ("coulomb", "memory"): ANY, ("viscous", "quadratic_damping"): ANY,
     ("viscous", "delay"): ANY, ("asymmetry", "offset"): ANY, ("asymmetry", "directional_damping"): ANY,
     ("damping_temperature", "loosening"): ("two temperatures",), ("contact_growth", "loosening"): ("two temperatures",),
+    ("damping_temperature", "fade"): ("two temperatures",),
 }  # fmt: skip
 """Pairs of effects that imitate each other, and the plans in which they do."""
 

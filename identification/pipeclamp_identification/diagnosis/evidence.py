@@ -26,27 +26,31 @@ LOW_HARMONICS = 7
 
 
 DRIFT = 5.0
-"""Standard errors by which a trend of stiffness along cycles must differ from none to be taken for real."""
+"""Standard errors by which a trend of stiffness or damping along cycles must differ from none to be taken for real."""
 
 
 def drifts(loops: Loops) -> bool:
-    """Tell whether stiffness drifts along the cycles inside records, over all runs together."""
+    """Tell whether stiffness or damping drifts along the cycles inside records, over all runs together."""
     slopes, weights = [], []
     for row, force in enumerate(loops.force_per_cycle):
         cycles = loops.cycles[row]
         if len(cycles) < 3:
             continue
-        stiffness = force[:, 1].real / loops.displacement_per_cycle[row][:, 1].real
+        complex_stiffness = force[:, 1] / loops.displacement_per_cycle[row][:, 1]
+        parts, size = np.stack([complex_stiffness.real, complex_stiffness.imag]), abs(complex_stiffness.mean())
         centred = cycles - cycles.mean()
         spread = float(centred @ centred)
-        slope = float(centred @ stiffness) / spread
-        rest = stiffness - stiffness.mean() - slope * centred
-        error = max(float(rest @ rest) / (len(cycles) - 2), 1e-12 * stiffness.mean() ** 2) / spread
-        slopes.append(slope / stiffness.mean())
-        weights.append(stiffness.mean() ** 2 / error)
+        slope = parts @ centred / spread
+        rest = parts - parts.mean(axis=1, keepdims=True) - slope[:, None] * centred
+        error = np.maximum(np.sum(rest**2, axis=1) / (len(cycles) - 2), 1e-12 * size**2) / spread
+        slopes.append(slope / size)
+        weights.append(size**2 / error)
+    if len(slopes) <= 3:
+        return False
     # Errors from few cycles are rough: runs count by the median of their neighbours, not by luck.
-    weight = np.minimum(weights, np.median(weights)) if weights else np.zeros(1)
-    return bool(len(slopes) > 3 and abs(weight @ np.array(slopes)) > DRIFT * np.sqrt(weight.sum()))
+    weight = np.minimum(weights, np.median(weights, axis=0))
+    trend = np.abs(np.sum(weight * slopes, axis=0))
+    return bool(np.any(trend > DRIFT * np.sqrt(np.sum(weight, axis=0))))
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ EFFECT = Effect(
     does="damping follows the temperature smoothly",
     source=f"{JIANG}, Table 5: dW over T has a minimum near 200 °C; {NASHIF}, on damping over temperature",
     looks_like="the loop's area is wrong by the same share at every A and f, and that share changes with T",
-    imitated_by=("loosening",),
+    imitated_by=("loosening", "fade"),
     told_apart_by="the temperatures tested in another order: a share that follows T, not the cycle number",
     parameters=(
         Parameter(

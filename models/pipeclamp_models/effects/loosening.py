@@ -14,7 +14,7 @@ EFFECT = Effect(
     does="stiffness drifts with load cycles: loosening, run-in",
     source=f"{JUNKER}; {BOGRAD}, on joints. The exponential is the simplest drift that ends",
     looks_like="a trend of stiffness along the cycles inside a record and from record to record",
-    imitated_by=("contact_growth", "damping_temperature"),
+    imitated_by=("contact_growth", "damping_temperature", "fade"),
     told_apart_by="the first test repeated at the end: stiffness doesn't come back",
     parameters=(
         Parameter(

@@ -17,7 +17,7 @@ EFFECT = Effect(
     "with the temperature. Here its logarithm does, so that it never changes its sign",
     looks_like="the loop is too wide at some temperatures and too narrow at others, by the same share at every f; its "
     "flanks after a reversal are as steep as they should be",
-    imitated_by=("damping_temperature", "loosening"),
+    imitated_by=("damping_temperature", "loosening", "fade"),
     told_apart_by="small amplitudes at several temperatures, at which little slips: what sticks is as stiff at each",
     parameters=(
         Parameter(

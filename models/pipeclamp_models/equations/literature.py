@@ -45,6 +45,10 @@ SPENCER = (
     "Spencer, Dyke, Sain and Carlson: Phenomenological Model for Magnetorheological Dampers, Journal of Engineering "
     "Mechanics 123(3), 230-238 (1997)"
 )
+LOMIENTO = (
+    "Lomiento, Bonessio and Benzoni: Friction Model for Sliding Bearings under Seismic Excitation, Journal of "
+    "Earthquake Engineering 17(8), 1162-1191 (2013)"
+)
 DIXON = "Dixon: The Shock Absorber Handbook, 2nd edition, Wiley (2007)"
 EWINS = "Ewins: Modal Testing: Theory, Practice and Application, 2nd edition, Research Studies Press (2000)"
 DOEBELIN = "Doebelin: Measurement Systems: Application and Design, 5th edition, McGraw-Hill (2004)"

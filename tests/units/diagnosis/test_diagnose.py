@@ -153,6 +153,14 @@ def test_a_missing_effect_is_named(campaign, effect, values):
     _is_named(diagnose(Structure("power"), campaign((effect,), **values)), effect)
 
 
+def test_friction_that_fades_within_records_is_named(campaign):
+    """Every test begins with a fresh specimen: what its cycles have in common shows that the damping falls."""
+    with few_effects("fade", "loosening", "damping_temperature", "slip_temperature", "viscous", "contact_growth"):
+        found = diagnose(Structure("power"), campaign(("fade",), d_N=-0.2, N_d=3.0))
+    assert (found.verdict, found.effects, found.kind) == ("missing", ("fade",), "cause")
+    assert found.candidates[0].result.law.values["d_N"] == pytest.approx(-0.2, rel=0.1)
+
+
 def test_several_elements_that_slip_are_named_as_many(campaign):
     tests = campaign(("memory:2",), k_s1=650.0, z_s1=68.0, k_s2=650.0, z_s2=218.0)
     with few_effects(*SLIPPING):

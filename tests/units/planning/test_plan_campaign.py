@@ -33,7 +33,7 @@ EFFECTS = (
     "memory", "bouc_wen", "slip_spread", "offset", "asymmetry", "quadratic_damping", "stiffness_frequency",
     "damping_temperature", "relaxation", "end_stop",
 )  # fmt: skip
-FOLLOWING_OTHER = ("density", "condition", "loosening")
+FOLLOWING_OTHER = ("density", "condition", "loosening", "fade")
 
 
 @pytest.fixture(scope="module")

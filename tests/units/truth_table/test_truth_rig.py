@@ -35,7 +35,7 @@ def test_both_agree_on_the_base_law():
         "memory", "directional_slip", "slip_spread", "bouc_wen",
         "coulomb", "viscous", "quadratic_damping", "directional_damping", "asymmetry", "hardening",
         "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
-        "loosening", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
+        "loosening", "fade", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
         "displacement_friction", "self_centring", "pressed_slip",
         "gas_spring", "unilateral_contact", "relaxation_spread", "oil_damper", "inner_mass", "rounded_friction",
     ],
