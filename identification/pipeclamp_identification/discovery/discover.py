@@ -28,7 +28,8 @@ from pipeclamp_identification.discovery.bases import (
     without_last_effects,
 )
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn, all_columns, beside_another_law
-from pipeclamp_identification.discovery.grammar import FOLLOWED_CONDITIONS, Term, linear_symbol, terms
+from pipeclamp_identification.discovery.conditions import FOLLOWED
+from pipeclamp_identification.discovery.grammar import Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import (
     Hearing,
     Hurdle,
@@ -382,7 +383,7 @@ def _weighed(structure: Structure, loops: Loops, start: Mapping[str, float]) -> 
 def _varied(problem: Problem) -> tuple[Sequence[str], Mapping[str, float]]:
     """Give what varies over the tests: of A, f, T and N, and further columns with their largest magnitude."""
     slow = problem.observations.motion.slow
-    names = [name for name in FOLLOWED_CONDITIONS if name in slow and varies(name, slow[name])]
+    names = [name for name in FOLLOWED if name in slow and varies(name, slow[name])]
     conditions = {
         name: float(np.max(np.abs(values)))
         for name, values in problem.loops.conditions.items()

@@ -10,18 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.discovery.grammar import (
-    FOLLOWED_CONDITIONS,
-    MOST_PARAMETERS,
-    SCALED,
-    STEPS,
-    Scale,
-    Term,
-    id_of,
-    named,
-    scales_of,
-    within_tests,
-)
+from pipeclamp_identification.discovery.conditions import SCALED, Followed, Scale, followed_signal, scales_of
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, id_of
 from pipeclamp_identification.discovery.shapes import RATE, STRENGTH, Entry, scaling
 from pipeclamp_models.law.declaration import Declaration
 
@@ -56,40 +46,37 @@ def followed_otherwise(term: Term, varied: Sequence[str], conditions: Mapping[st
         varied: of A, f and T those that vary over the tests.
         conditions: further columns that vary, with the largest magnitude of each.
     """
-    known = [(name, one, 0.0) for name, one in SCALED.items() if name in varied]
-    known += [(name, one, size) for name, size in conditions.items() for one in scales_of(name, size)]
-    for signal, scale, size in known:
+    known = [(name, one) for name, one in SCALED.items() if name in varied]
+    known += [(name, one) for name, size in conditions.items() for one in scales_of(name, size)]
+    for signal, scale in known:
         scaled = f"{STRENGTH} * {scale.factor}"
         if scaled not in (term.declaration.force or ""):
             continue
-        for form in _forms(signal, size):
+        for form in _forms(followed_signal(signal, conditions)):
             if len(term.declaration.parameters) - 1 + len(form.parameters) <= MOST_PARAMETERS:
                 yield _following(term, scale, form)
 
 
-def _forms(signal: str, size: float) -> Iterator[Following]:
-    """Give the forms in which a strength may follow a signal; the size is that of a further column."""
-    if signal in FOLLOWED_CONDITIONS:
-        pure, low, high, reach, unit, name = FOLLOWED_CONDITIONS[signal]
-        plain, step = signal, STEPS[signal]
-        yield Following("exponential", f"exp({RATE} * {pure})", f"exponentially with the {name}",
+def _forms(followed: Followed) -> Iterator[Following]:
+    """Give the forms in which a strength may follow a signal."""
+    plain, name, reach = followed.symbol, followed.name, followed.reach
+    if not followed.column:  # a further column is scaled so to begin with
+        yield Following("exponential", f"exp({RATE} * {followed.pure})", f"exponentially with the {name}",
                         (scaling(f"by how much it follows the {name}", -0.5, 0.5),))  # fmt: skip
-    else:
-        plain, unit, name, reach = named(signal), "in its name", signal, f"{size:.6g}"
-        step = reach
-        low, high = (f"{share * size:.6g}" for share in (0.3, 0.6))
-    level: Entry = {"symbol": LEVEL, "unit": unit, "meaning": f"level of the {name} about which it changes",
-             "start": (low, high)}  # fmt: skip
-    width: Entry = {"symbol": WIDTH, "unit": unit, "meaning": f"change of the {name} in which it does",
+    level: Entry = {"symbol": LEVEL, "unit": followed.unit, "meaning": f"level of the {name} about which it changes",
+             "start": followed.bends}  # fmt: skip
+    width: Entry = {"symbol": WIDTH, "unit": followed.unit, "meaning": f"change of the {name} in which it does",
              "start": (f"{START_WIDTH} * {reach}",) * 2, "lower": f"0.01 * {reach}",
              "upper": f"3 * {reach}"}  # fmt: skip
     turned = f"({plain} - {LEVEL}) / sqrt(({plain} - {LEVEL})**2 + {WIDTH}**2)"
-    yield Following("beyond", f"(max({plain} - {LEVEL}, 0) / {step})", f"from a level of the {name} on", (level,))
-    yield Following("below", f"(max({LEVEL} - {plain}, 0) / {step})", f"up to a level of the {name}", (level,))
-    if signal != "T":  # what is far from zero levels off nowhere
+    yield Following(
+        "beyond", f"(max({plain} - {LEVEL}, 0) / {followed.step})", f"from a level of the {name} on", (level,)
+    )
+    yield Following("below", f"(max({LEVEL} - {plain}, 0) / {followed.step})", f"up to a level of the {name}", (level,))
+    if plain != "T":  # what is far from zero levels off nowhere
         yield Following("levelling", f"(abs({plain}) / (abs({plain}) + abs({LEVEL})))",
                         f"with the {name} and levelling off", (level,))  # fmt: skip
-    about = ({**level, **within_tests(signal, reach)}, width)
+    about = ({**level, **followed.within_tests}, width)
     yield Following("setting_in", f"((1 + {turned}) / 2)", f"setting in about a level of the {name}", about)
     yield Following("fading", f"((1 - {turned}) / 2)", f"fading about a level of the {name}", about)
 

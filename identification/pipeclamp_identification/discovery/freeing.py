@@ -11,16 +11,9 @@ import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from pipeclamp_identification.discovery.conditions import SCALED, Scale, scales_of
 from pipeclamp_identification.discovery.following import LEVEL, WIDTH
-from pipeclamp_identification.discovery.grammar import (
-    MOST_PARAMETERS,
-    SCALED,
-    Scale,
-    Term,
-    id_of,
-    linear_symbol,
-    scales_of,
-)
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, id_of, linear_symbol
 from pipeclamp_identification.discovery.shapes import LENGTH, RATE, SPEED, STRENGTH, Entry
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 

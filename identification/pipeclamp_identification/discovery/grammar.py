@@ -10,12 +10,19 @@ no dimension; lengths and times are parameters or reference values.
 from __future__ import annotations
 
 import itertools
-import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from pipeclamp_identification.discovery.conditions import (
+    ABOVE_ZERO,
+    FOLLOWED,
+    SCALED,
+    Scale,
+    followed_signal,
+    scales_of,
+)
 from pipeclamp_identification.discovery.shapes import (
     RATE,
     STRENGTH,
@@ -87,50 +94,12 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
     if "T" in varied:
         for family, shape in moved_by_temperature():
             yield _force_term(family, shape, None)
-    signals = [*(name for name in FOLLOWED_CONDITIONS if name in varied), *conditions]
+    signals = [*(name for name in FOLLOWED if name in varied), *conditions]
     for role, signal in itertools.product(ROLES, signals):
         yield from _factors(role, signal, conditions)
     if {"f", "T"} <= set(varied):
         for role in ROLES:
             yield from _factors_shifted_by_temperature(role)
-
-
-@dataclass(frozen=True)
-class Scale:
-    """What a term that adds a force is scaled by.
-
-    Attributes:
-        name: as ids have it.
-        factor: > 0, with the exponent `s_x`.
-        words: what it is.
-        condition: the further column that it needs; empty where it is A, f or T.
-    """
-
-    name: str
-    factor: str
-    words: str
-    condition: str = ""
-
-
-SCALED = {
-    "A": Scale("A", "(A / A_0)**s_x", "the amplitude"),
-    "f": Scale("f", "(f / f_0)**s_x", "the frequency"),
-    "T": Scale("T", "(T / T_0)**s_x", "the temperature"),
-}
-"""By A, f and T."""
-
-
-def scales_of(column: str, size: float) -> tuple[Scale, ...]:
-    """Give by what a term may follow a further column: exponentially, or with a power of it, which a field has."""
-    name, share = named(column), f"{named(column)} / {size:.6g}"
-    return (
-        Scale(name, f"exp(s_x * {share})", column, column),
-        Scale(f"{name}_power", f"(abs({share}) + {ABOVE_ZERO})**s_x", f"a power of {column}", column),
-    )
-
-
-ABOVE_ZERO = 0.001
-"""Share of a further column's largest value that is added to it, for it may be zero."""
 
 
 def _force_term(family: Family, shape: Shape, scale: Scale | None) -> Term:
@@ -157,46 +126,18 @@ def _name(shape: str, scale: Scale | None) -> str:
     return f"{shape}{f'_by_{scale.name}' if scale else ''}"
 
 
-FOLLOWED_CONDITIONS = {
-    "A": ("A / A_0", "0.5 * A_typical", "A_typical", "A_highest", "mm", "amplitude"),
-    "f": ("f / f_0", "f_lowest", "f_typical", "f_highest", "Hz", "frequency"),
-    "T": ("(T - T_0) / 100", "T_lowest + 0.3 * (T_highest - T_lowest)", "T_lowest + 0.6 * (T_highest - T_lowest)",
-          "(T_highest - T_lowest)", "K", "temperature"),
-    "N": ("N / 1000", "0.1 * N_highest", "0.4 * N_highest", "N_highest", "-", "number of cycles"),
-}  # fmt: skip
-"""Signals that a factor may follow: without its dimension, two levels at which it may bend, its range, unit, name."""
-STEPS = {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}
-"""And steps of each by which growth is stated."""
-
-
-def within_tests(signal: str, size: str) -> Entry:
-    """Give the bounds of a level about which something steps: beyond the tests nothing shows a step.
-
-    Args:
-        signal: that is followed.
-        size: of a further column, its largest magnitude.
-    """
-    if signal == "T":
-        return {"lower": "T_lowest", "upper": "T_highest"}
-    return {"upper": f"{signal}_highest" if signal in FOLLOWED_CONDITIONS else size}
-
-
 def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
     """Give factors > 0 on a coefficient of the law: power, exponential, bent, from a level on, levelling off."""
-    if signal in conditions:
-        plain, unit, name, size = named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
-        pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
-        above, reach = f"abs({pure}) + {ABOVE_ZERO}", size
-    else:
-        pure, low, high, reach, unit, name = FOLLOWED_CONDITIONS[signal]
-        bends = (low, high)
-        plain, size = signal, STEPS[signal]
-        above = {"T": "T / T_0", "N": "1 + N"}.get(signal, pure)
-    level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
-    width: Entry = {"symbol": "w_x", "unit": unit, "meaning": f"change of {signal} in which it steps",
-             "start": (f"0.05 * {reach}", f"0.15 * {reach}"), "lower": f"0.01 * {reach}", "upper": reach}  # fmt: skip
-    stepped: Entry = {**level, **within_tests(signal, size)}
-    past = f"(max({plain} - l_x, 0) / {size})**1"
+    followed = followed_signal(signal, conditions)
+    plain, pure, name = followed.symbol, followed.pure, followed.name
+    above = {"T": "T / T_0", "N": "1 + N"}.get(signal, f"abs({pure}) + {ABOVE_ZERO}" if followed.column else pure)
+    level: Entry = {"symbol": "l_x", "unit": followed.unit, "meaning": f"level of {signal} at which it changes",
+             "start": followed.bends}  # fmt: skip
+    width: Entry = {"symbol": "w_x", "unit": followed.unit, "meaning": f"change of {signal} in which it steps",
+             "start": (f"0.05 * {followed.reach}", f"0.15 * {followed.reach}"),
+             "lower": f"0.01 * {followed.reach}", "upper": followed.reach}  # fmt: skip
+    stepped: Entry = {**level, **followed.within_tests}
+    past = f"(max({plain} - l_x, 0) / {followed.step})**1"
     forms: list[tuple[str, str, str, tuple[Entry, ...]]] = [
         ("power", f"log({above})", "changes with a power of", ()),
         ("exponential", pure, "changes exponentially with", ()),
@@ -210,18 +151,16 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     if signal in ("A", "f"):
         peak = f"2 * {plain} * l_x / ({plain}**2 + l_x**2)"
         forms.append(("peak", peak, "has a peak, or a trough, at a level of", (level,)))
-    condition = signal if signal in conditions else ""
     beyond, linear = (f"{role}_{form}_{plain}" for form in ("beyond", "linear"))
     for form, exponent, words, parameters in forms:
         term = _factor(
             role, f"{role}_{form}_{plain}", f"exp({RATE} * ({exponent}))", f"{words} the {name}",
-            (scaling("how much the logarithm changes", 0.1), *parameters), condition,
+            (scaling("how much the logarithm changes", 0.1), *parameters), followed.column,
         )  # fmt: skip
         yield replace(term, grown=(id_of(linear),)) if form == "beyond" else term
-    each = {"A": "mm", "f": "Hz", "T": "100 K", "N": "1000 cycles"}.get(signal, f"{size} of {name}")
-    growth = {**scaling(f"growth, as a share, for each {each}", 0.1), "lower": 0.0}
+    growth = {**scaling(f"growth, as a share, for each {followed.step_in_words}", 0.1), "lower": 0.0}
     words = f"grows linearly beyond a level of the {name}"
-    term = _factor(role, linear, f"1 + {RATE} * {past}", words, (growth, level), condition)
+    term = _factor(role, linear, f"1 + {RATE} * {past}", words, (growth, level), followed.column)
     yield replace(term, grown=(id_of(beyond),))
 
 
@@ -230,9 +169,8 @@ def _factors_shifted_by_temperature(role: str) -> Iterator[Term]:
 
     A power of f needs none: its shift is an exponential of T.
     """
-    _, low, high, *_ = FOLLOWED_CONDITIONS["f"]
     level: Entry = {"symbol": "l_x", "unit": "Hz", "meaning": "frequency at which it changes at 20 °C",
-             "start": (low, high), "lower": "0.001 * f_lowest", "upper": "1000 * f_highest"}  # fmt: skip
+             "start": FOLLOWED["f"].bends, "lower": "0.001 * f_lowest", "upper": "1000 * f_highest"}  # fmt: skip
     shift: Entry = {"symbol": "m_x", "unit": "-", "meaning": "growth of that frequency's logarithm for each 100 K",
              "neutral": 0.0, "start": (1.5, 4.0, -1.5), "lower": -10.0, "upper": 10.0}  # fmt: skip
     share = "(f / (l_x * exp(m_x * (T - T_0) / 100)))"
@@ -254,11 +192,6 @@ def _factor(role: str, name: str, factor: str, words: str, parameters: tuple[Ent
         "factor", name, f"{ROLES[role]} that {words}", parameters=parameters,
         scales=({"coefficient": role, "factor": factor},), conditions=(condition,) if condition else (),
     )  # fmt: skip
-
-
-def named(column: str) -> str:
-    """Give the name that a further column has in expressions."""
-    return re.sub(r"\W", "_", column)
 
 
 def _term(
