@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown
+from pipeclamp.api.shown import PathOrName, Shown, processes
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
@@ -136,6 +136,6 @@ def discover(
     known, tests = opened(law), tested(tests)
     declarations = [read_declaration(Path(fspath(path))) for path in declared]
     found = workflow.discover(
-        known.file, tests.tests, command=COMMAND, declared=declarations, workers=Workers(jobs, progress)
+        known.file, tests.tests, command=COMMAND, declared=declarations, workers=Workers(processes(jobs), progress)
     )
     return Discovery(known, tests, found)

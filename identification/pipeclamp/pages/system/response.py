@@ -7,7 +7,7 @@ from itertools import groupby
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import LOG_AXIS, SERIES, Section, styled
+from pipeclamp.pages.page import LOG_AXIS, SERIES, Report, Section, styled
 from pipeclamp.pages.system.bands import add_band, bands_section
 from pipeclamp.pages.system.cosim import answer_section
 from pipeclamp.show.table import Table
@@ -31,6 +31,11 @@ IN_TIME = "found in time"
 TRUSTED_MARK = {"size": 7, "line": {"color": "white", "width": 1}}
 DOUBTFUL_MARK = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
+
+
+def response_page(response: FrequencyResponse, system: str, bands: ResponseBands | None, following: NextStep) -> Report:
+    """Give the page of the frequency response of a system, by its file's name."""
+    return Report(f"Frequency response: {response.name}", system, response_sections(response, bands, following))
 
 
 def response_sections(
