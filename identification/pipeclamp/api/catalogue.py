@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp.api.shown import PathOrName, Told, called_from_python, frame_of, path_of
-from pipeclamp_models.realise.catalogue_answer import asked_effects, catalogue_answer
+from pipeclamp_models.realise.catalogue_answer import CatalogueAnswer, asked_effects, catalogue_answer
 
 if TYPE_CHECKING:
     from pipeclamp.show.table import Table
@@ -25,7 +26,7 @@ class Catalogue(Told):
     >>> "damping_temperature" in catalogue
     True
     >>> catalogue["damping_temperature"].to_frame()["does"].to_list()
-    ['damping depends on temperature, as a power that may bend once']
+    ['damping follows the temperature smoothly']
     """
 
     def __init__(self, listed: Sequence[Effect], declared: Sequence[PathOrName], *, whole: bool) -> None:
@@ -54,9 +55,13 @@ class Catalogue(Told):
         """
         return effects(name, declared=self._declared)
 
+    @cached_property
+    def _answer(self) -> CatalogueAnswer:
+        return catalogue_answer(self._effects)  # its equations take seconds to typeset
+
     def to_dict(self) -> dict[str, Any]:
         """Give what `pipeclamp effects --json` writes; `schema("effects")` is its schema."""
-        return catalogue_answer(self._effects).to_dict()
+        return self._answer.to_dict()
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row an effect: name, part (clamp, rig or base), what it does and looks like, what imitates it."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pipeclamp.api.shown import PathOrName, Shown, called_from_python, frame_of, number_or_none, path_of
 from pipeclamp.api.system import A_SYSTEM
 from pipeclamp.show.view import View
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.workflow.systems.held import hold_on_pipe
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress, silent
 
@@ -27,7 +28,7 @@ class PipeComparison(Shown):
         system, measured: SYSTEM.toml, and the measurement's folder.
         found: errors and verdict, as the other rooms of the program work on them.
 
-    `compare_pipe` makes one.
+    `compare_pipe` makes one; its example shows it.
     """
 
     def __init__(self, found: Attributed, system: Path, measured: Path) -> None:
@@ -37,8 +38,9 @@ class PipeComparison(Shown):
 
     @property
     def nrmse(self) -> float:
-        """Rms error of the model as stated, over the rms of what was measured."""
-        return self.found.compared.nrmse
+        """Rms error of the model as stated, over the rms of what was measured: of sines where there are any."""
+        found: float = self.to_dict()["nrmse"]
+        return found
 
     @property
     def verdict(self) -> str | None:
@@ -67,9 +69,21 @@ class PipeComparison(Shown):
         return attributed_page(self.found, self._following(reported=True))
 
     def to_frame(self) -> pl.DataFrame:
-        """Give a row a parameter, or two, that may be wrong, best first: its refitted value, and what it leaves."""
-        rows: list[dict[str, Any]] = self.to_dict()["candidates"]
-        return frame_of(rows)
+        """Give a row a sine that was measured, its conditions and error; of records alone, a row a record."""
+        answer = self.to_dict()
+        return frame_of(answer["sines"] or answer["records"])
+
+    def candidates(self) -> pl.DataFrame:
+        """Give a row a parameter, or two, that may be wrong, best first: its refitted value, and what it leaves.
+
+        Raises:
+            UserError: too little was measured to ask.
+        """
+        attribution = self.to_dict()["attribution"]
+        if attribution is None:
+            raise UserError("candidates: too little was measured to ask which parameter may be wrong")
+        rows = attribution["candidates"]
+        return frame_of([{**row, "parameters": ", ".join(row["parameters"])} for row in rows])
 
     def __repr__(self) -> str:
         """Give system and measurement, error and verdict."""

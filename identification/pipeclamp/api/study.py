@@ -132,9 +132,10 @@ def sweep(
     True
     """
     origin, target = Path(path_of(study, "the description of a study, STUDY.toml")), Path(path_of(path, "a file"))
+    jobs = processes(jobs)
     read = read_study(origin, number_or_none(bands, "bands", "per cent"))
 
     def tell(done: int, count: int) -> None:
         progress(f"{done} of {count} cases")
 
-    return Sweep(read, run_study(read, target, processes(jobs), dask, tell), origin, target)
+    return Sweep(read, run_study(read, target, jobs, dask, tell), origin, target)
