@@ -122,6 +122,7 @@ def test_a_response_is_the_commands(pipeclamp, system, tmp_path):
     assert "Displacement at tip" in found.report(tmp_path / "page.html").read_text(encoding="utf-8")
     json.dumps(found.to_dict(), allow_nan=False)
     banded = pc.response(system, bands=95, limits={"tip": 0.01})
+    assert '"95% band"' in banded.report(tmp_path / "banded.html").read_text(encoding="utf-8"), "its key in the legend"
     assert "above 0.01 mm with a probability of" in str(banded)
     assert "clamp1.s_high [mm]" in banded.to_frame().columns
     peak = banded.peaks().row(0, named=True)
@@ -260,6 +261,10 @@ MISTAKES = {
     "no campaign": (lambda at: pc.join([], at.with_name("c")), "got no campaign"),
     "the same twice": (lambda at: pc.join(["clamp_a", "clamp_a"], at.with_name("c")), "has the same record as"),
     "other kind": (lambda at: pc.build_system(at, at.with_name("s.ssp"), kind="java"), "kind: got 'java'"),
+    "no ending": (lambda at: pc.build_fmu("emwm2", at.with_name("clamp")), "expected clamp.fmu, say"),
+    "a pipe's ending": (lambda at: pc.build_pipe(at.with_name("pipe.toml"), at.with_name("p.zip")), "expected p.fmu"),
+    "a system's ending": (lambda at: pc.build_system(at, at.with_name("s.fmu")), "ends in .ssp"),
+    "two campaigns": (lambda at: pc.identify(["clamp_a", "emwm2_tables"]), "pc.join makes one of several"),
     "no fmu": (lambda at: pc.set_parameters(at, "emwm2"), "system.toml"),
     "no measurement": (lambda at: pc.compare_pipe(at, at.parent), "measurement.toml"),
     "hours": (lambda at: pc.plan_campaign(hours=-1), "hours: got -1; expected a number above 0"),

@@ -16,8 +16,8 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeclamp_fmu.build import version
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.toml_file import Number, TomlTable, read_table, read_toml, unknown, validated
-from pipeclamp_models.pipe.description import PipeDescription
+from pipeclamp_models.base.toml_file import Number, TomlTable, read_described, read_toml, unknown, validated
+from pipeclamp_models.pipe.description import PipeDescription, read_pipe
 from pipeclamp_system.bands.band import steps_of
 from pipeclamp_system.bands.described import refuse_unknown
 from pipeclamp_system.description.system import SystemDescription, files_of_system
@@ -165,7 +165,7 @@ def tables_of(system_path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     if file is None:
         raise UserError(f"{system_path}: pipe: got an FMU; expected file = 'PIPE.toml', whose values can be varied")
     pipe_path = system_path.parent / file
-    read_table(pipe_path, PipeDescription)
+    read_pipe(pipe_path)
     return read_toml(pipe_path), system
 
 
@@ -231,7 +231,7 @@ def files_of_study(path: Path) -> list[Path]:
     Raises:
         UserError: the study or its system can't be read.
     """
-    system = path.parent / read_table(path, StudyDescription).system
+    system = path.parent / read_described(path, StudyDescription, "study").system
     return [system, *files_of_system(system)]
 
 
@@ -247,7 +247,7 @@ def read_study(path: Path, per_cent: float | None = None) -> Study:
             it is.
         UsageError: the share can't be held by a band, or the cases are co-simulated.
     """
-    description = read_table(path, StudyDescription)
+    description = read_described(path, StudyDescription, "study")
     if per_cent is not None:
         steps_of(per_cent)
         if description.measure == "cosim":

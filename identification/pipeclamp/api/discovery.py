@@ -16,11 +16,11 @@ from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
 from pipeclamp_identification.workflow import discover as workflow
 from pipeclamp_identification.workflow.next_command import after_discovery
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.files import refuse_ending, write_whole
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.base.progress import Progress, silent
-from pipeclamp_models.law.declaration_files import read_declaration
+from pipeclamp_models.law.declaration_files import SUFFIX, read_declaration
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
@@ -70,6 +70,7 @@ class Discovery(Shown):
         """
         if self._found.declaration is None:
             raise UserError(f"nothing is proposed: {self.reason}")
+        refuse_ending(Path(path), SUFFIX, "a declaration")
         write_whole(Path(path), toml_of(self._found.declaration))
         return Path(path)
 

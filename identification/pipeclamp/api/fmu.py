@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, Told, path_of
 from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.files import FMU, SSP, refuse_ending
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
@@ -77,7 +78,7 @@ def build_fmu(
         events=events,
         memory_as_states=memory_as_states,
     )
-    file, target = opened(law).file, Path(path)
+    file, target = opened(law).file, _target(path, FMU, "an FMU")
     if not events and kind == "python":
         raise UsageError("events=False is for kind='native'; a Python FMU has no model exchange")
     if memory_as_states and kind == "python":
@@ -115,7 +116,7 @@ def set_parameters(fmu: PathOrName, law: Law | PathOrName, path: PathOrName | No
     from pipeclamp_fmu import set_parameters as setting
 
     given = Path(path_of(fmu, "a clamp's FMU"))
-    target = given if path is None else Path(path_of(path, "the FMU to write"))
+    target = given if path is None else _target(path, FMU, "an FMU")
     setting.set_parameters(given, opened(law).file, target)
     return target
 
@@ -160,7 +161,7 @@ def build_pipe(
     from pipeclamp_models.pipe.description import read_pipe
     from pipeclamp_models.pipe.modes import reduce
 
-    reduced, target = reduce(read_pipe(Path(pipe))), Path(path)
+    reduced, target = reduce(read_pipe(Path(path_of(pipe, "a pipe, PIPE.toml")))), _target(path, FMU, "an FMU")
     if _native(kind, fmi, platforms):
         build.build_native_pipe(reduced, target, fmi, platforms)
     else:
@@ -229,9 +230,20 @@ def build_system(
     from pipeclamp_system.cosim.building import NATIVE, PYTHON
     from pipeclamp_system.cosim.ssp import write_system
 
-    described, target = Path(path_of(system, "the description of a system, SYSTEM.toml")), Path(path)
+    described, target = Path(path_of(system, "the description of a system, SYSTEM.toml")), _target(path, SSP, "an SSP")
     build = NATIVE if _native(kind, 2, None) else PYTHON
     return SystemPackage(target, write_system(described, target, build, progress))
+
+
+def _target(path: PathOrName, ending: str, what: str) -> Path:
+    """Give the file to write.
+
+    Raises:
+        UserError: it is no path, or its name ends otherwise.
+    """
+    target = Path(path_of(path, f"the name of {what} to write"))
+    refuse_ending(target, ending, what)
+    return target
 
 
 def _native(kind: FmuKind, fmi: int, platforms: Sequence[str] | None) -> bool:

@@ -12,6 +12,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.metrics_only.campaign import MetricRun
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests as AnyTests
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 
 if TYPE_CHECKING:
@@ -182,5 +183,11 @@ def read_campaign(campaign: PathOrName, *, strict: bool = False) -> Tests:
 
 
 def tested(tests: Tests | PathOrName) -> Tests:
-    """Give tests as they are, or read them."""
+    """Give tests as they are, or read them.
+
+    Raises:
+        UserError: they are several, or can't be read.
+    """
+    if isinstance(tests, list | tuple):
+        raise UserError(f"got {len(tests)} campaigns in a list; expected one: pc.join makes one of several")
     return tests if isinstance(tests, Tests) else read_campaign(tests)

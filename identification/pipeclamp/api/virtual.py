@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any
 
 from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import (
@@ -42,30 +42,10 @@ if TYPE_CHECKING:
     from pipeclamp_models.base.tables import pl
 
 
-class RigSettings(TypedDict, total=False):
-    """How the virtual rig moves and how well it measures; what isn't stated is as `pipeclamp rig --help` tells it."""
-
-    repeats: int
-    cycles: float
-    ramp_cycles: float
-    rate: float
-    force_noise: float
-    displacement_noise: float
-    force_step: float
-    displacement_step: float
-    distortion: float
-    riding: float
-    riding_order: int
-    amplitude_error: float
-    temperature_error: float
-    force_drift: float
-    displacement_drift: float
-    force_gain_drift: float
-    force_range: float
-    displacement_range: float
-    specimens: int
-    specimen_scatter: float
-    seed: int
+OF_RUNS = ("amplitudes", "frequencies", "temperatures", "drive", "runs")
+"""What a plan says of its runs, by arguments of their own."""
+SETTINGS = {one.name: one.type for one in fields(TestPlan) if one.name not in OF_RUNS}
+"""How the rig moves and how well it measures: names, and types as texts."""
 
 
 class Rig(Told):
@@ -151,7 +131,7 @@ def rig(
     plan: PathOrName | None = None,
     format: Format = "csv",
     progress: Progress = silent,
-    **settings: Unpack[RigSettings],
+    **settings: float,
 ) -> Rig:
     """Make a virtual campaign of a law: would this test plan see that effect?
 
@@ -227,11 +207,9 @@ def _setting(name: str, value: object) -> float:
     Raises:
         UserError: there is none of that name, or it is no finite number, or no whole one where it counts.
     """
-    known = list(RigSettings.__annotations__)
-    if name not in known:
-        raise UserError(f"rig: {unknown(name, known, 'setting')}")
-    of_type = {one.name: one.type for one in fields(TestPlan)}[name]
-    return count_of(value, name) if of_type == "int" else number_of(value, name)
+    if name not in SETTINGS:
+        raise UserError(f"rig: {unknown(name, list(SETTINGS), 'setting')}")
+    return count_of(value, name) if SETTINGS[name] == "int" else number_of(value, name)
 
 
 @called_from_python()

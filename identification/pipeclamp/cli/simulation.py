@@ -29,6 +29,7 @@ from pipeclamp.cli.terminal import (
     spare,
 )
 from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.files import FMU, SSP, refuse_ending
 from pipeclamp_models.base.units import CELSIUS
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from pipeclamp_system.bands.response_bands import ResponseBands
 
 app = typer.Typer()
+
 
 Source = TypeVar("Source")
 
@@ -135,6 +137,7 @@ def build_fmu(
             raise typer.BadParameter("it is for --kind native: a Python FMU has no model exchange", param_hint=option)
     kind = FmuKind.native if no_events or memory_as_states else kind
     spare(law, outputs=(output,))
+    refuse_ending(output, FMU, "an FMU")
     with showing_progress("build-fmu"):
         file = opened_law(law)
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
@@ -160,6 +163,8 @@ def set_parameters(
     from pipeclamp_identification.workflow.next_built import after_clamp_fmu
 
     spare(law, outputs=(output,))
+    if output:
+        refuse_ending(output, FMU, "an FMU")
     with showing_progress("set-parameters"):
         file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
@@ -182,6 +187,7 @@ def build_pipe(
     from pipeclamp_models.pipe.modes import reduce
 
     spare(pipe, outputs=(output,))
+    refuse_ending(output, FMU, "an FMU")
     with showing_progress("build-pipe"):
         reduced = reduce(read_pipe(pipe))
         made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
@@ -280,6 +286,7 @@ def system_structure(
     from pipeclamp_system.cosim.ssp import write_system
 
     spare(system, outputs=(output,))
+    refuse_ending(output, SSP, "an SSP")
     with showing_progress("system") as tell:
         made = kind or _kind_here()
         found = write_system(system, output, PYTHON if made is FmuKind.python else NATIVE, tell)
