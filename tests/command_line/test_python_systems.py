@@ -261,6 +261,8 @@ MISTAKES = {
     "no campaign": (lambda at: pc.join([], at.with_name("c")), "got no campaign"),
     "the same twice": (lambda at: pc.join(["clamp_a", "clamp_a"], at.with_name("c")), "has the same record as"),
     "other kind": (lambda at: pc.build_system(at, at.with_name("s.ssp"), kind="java"), "kind: got 'java'"),
+    "a system for a law": (lambda at: pc.compare(at, "clamp_a"), "expected a law: pc.compare_pipe holds a system"),
+    "a system for one": (lambda at: pc.identify("clamp_a", effects=at), "system.toml"),
     "no ending": (lambda at: pc.build_fmu("emwm2", at.with_name("clamp")), "expected clamp.fmu, say"),
     "a pipe's ending": (lambda at: pc.build_pipe(at.with_name("pipe.toml"), at.with_name("p.zip")), "expected p.fmu"),
     "a system's ending": (lambda at: pc.build_system(at, at.with_name("s.fmu")), "ends in .ssp"),

@@ -63,6 +63,7 @@ def test_an_option_of_named_values_is_named(refused, monkeypatch, tmp_path, word
         (("add", "emwm2", "clamp_a", "viscous", "-o", "x"), "viscous: an effect; expected a campaign there"),
         (("build-fmu", ".", "-o", "x.fmu"), ".: a folder; expected a law's file"),
         (("build-fmu", "clamp_a", "-o", "x.fmu"), "clamp_a: a campaign; expected a law there"),
+        (("build-fmu", EXAMPLES / "system.toml", "-o", "x.fmu"), "describes a system; expected a law there"),
         (("cosim", EXAMPLES / "pipe.toml", "-o", "x"), "describes a pipe; expected a system there"),
         (("build-pipe", EXAMPLES / "system.toml", "-o", "x.fmu"), "describes a system; expected a pipe there"),
         (("sweep", EXAMPLES / "system.toml", "-o", "x"), "describes a system; expected a study there"),

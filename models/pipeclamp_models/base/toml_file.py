@@ -118,6 +118,21 @@ def read_described(path: Path, model: type[Model], kind: str) -> Model:
     return validated(content, model, str(path))
 
 
+def refuse_described(path: Path, expected: str) -> None:
+    """Refuse the description of a pipe, a system or a study in the place of something else.
+
+    Raises:
+        UserError: the file holds one.
+    """
+    try:
+        content = read_toml(path)
+    except UserError:
+        return  # whoever reads it next says what is wrong
+    for kind, described in DESCRIBED.items():
+        if described.key in content:
+            raise UserError(f"{path}: describes a {kind}; expected {expected} there")
+
+
 def read_toml(path: Path, what: str = "a description") -> dict[str, Any]:
     """Read a TOML file; `what` it should be is named in errors.
 
