@@ -206,6 +206,25 @@ def test_a_pipe_is_held_against_what_was_measured_as_by_the_command(pipeclamp, t
     assert "Response at midspan" in found.report(tmp_path / "page.html").read_text(encoding="utf-8")
 
 
+def test_the_next_tests_drive_signal_is_saved_and_run(tmp_path):
+    """Two frequencies are too few to tell a stiffness that follows them from a mass."""
+    plan = {"amplitudes": [0.3, 0.6, 1.0], "frequencies": [3, 4], "temperatures": [20], "cycles": 3, "rate": 240}
+    tests = pc.rig("emwm2", tmp_path / "narrow", force_noise=8, **plan).tests()
+    law, limits = pc.identify(tests), "A=0.1..1.5,f=0.5..20,T=20..20"
+    with few_effects("stiffness_frequency", "inertia"):
+        answer = pc.diagnose(law, tests, limits=limits)
+    assert answer.verdict == "ambiguous"
+    path = answer.save_drive(tmp_path / "next.csv")
+    signal = pl.read_csv(path)
+    assert signal["displacement_mm"].abs().max() == pytest.approx(answer.next_test["peak_displacement_mm"], rel=1e-3)
+    assert str(answer).endswith("answer.save_drive('next_test.csv') writes the drive signal from here")
+    with pytest.raises(pc.UserError, match=r"expected a name that ends in \.csv or \.parquet"):
+        answer.save_drive(tmp_path / "next.txt")
+    # the rig runs it
+    made = pc.rig("emwm2", tmp_path / "next", drive=path, temperatures=[20], rate=1000)
+    assert made.tests().to_frame()["amplitude_mm"][0] == pytest.approx(answer.next_test["amplitude_mm"], rel=0.05)
+
+
 def test_a_ladder_is_the_commands(small, tests, tmp_path, monkeypatch):
     """Of a catalogue of few effects, and in this process, to be quick."""
     path = pc.identify(tests).save(tmp_path / "law.json")

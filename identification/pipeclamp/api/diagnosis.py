@@ -17,7 +17,7 @@ from pipeclamp_identification.campaign.drive import write_drive
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.climb import Settled
-from pipeclamp_identification.workflow.next_command import next_command
+from pipeclamp_identification.workflow.next_command import NEXT_TEST, next_command
 from pipeclamp_identification.workflow.tests import Diagnosed
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -114,7 +114,11 @@ class Diagnosis(Shown):
 
     def _from_python(self) -> str:
         """Say how to go on where no file holds the law, which the command reads."""
-        then = "; pc.add(law, answer, tests) does it from here" if self.verdict == "missing" else ""
+        then = ""
+        if self.verdict == "missing":
+            then = "; pc.add(law, answer, tests) does it from here"
+        elif self._found.proposal is not None:
+            then = f"; answer.save_drive('{NEXT_TEST}.csv') writes the drive signal from here"
         return f"  law.save({self.law.origin!r}) writes the law that it reads{then}"
 
     def view(self) -> View:
