@@ -95,6 +95,7 @@ def test_a_virtual_campaign_is_the_commands(pipeclamp, tmp_path):
     assert (frame["c1"]["value"], frame["c1"]["from"]) == (2.0, "given")
     assert {frame["F_c"]["from"], frame["k10"]["from"]} == {"typical size", "law"}
     assert "pc.rig('emwm2', effects=('viscous', 'coulomb'), values={'c1': 2.0}" in made.tests().tests.notes
+    assert "Beside the law's file: c1 = 2 N s/mm (given), F_c = " in str(made)
     assert len(made.tests()) == made.to_dict()["runs"] == 4
     assert "Beyond the law's data: A = 3 mm" in str(
         pc.rig("emwm2", tmp_path / "far", amplitudes=3, frequencies=[2], temperatures=[20], rate=100)

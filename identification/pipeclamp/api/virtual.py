@@ -35,6 +35,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.said import counted
 from pipeclamp_models.base.toml_file import unknown
+from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.law.declaration_files import read_effects
 
 if TYPE_CHECKING:
@@ -106,7 +107,16 @@ class Rig(Told):
 
         tables = [truth_table(self.made.truth)] if self.made.truth.whence else []
         beyond = [f"Beyond the law's data: {words}" for words in self.beyond]
-        return tables, [*beyond, f"{self.folder}: {counted(self.made.count, 'run')}", self._next()]
+        return tables, [*beyond, *self._sizes(), f"{self.folder}: {counted(self.made.count, 'run')}", self._next()]
+
+    def _sizes(self) -> list[str]:
+        """Say the parameters that the law's file doesn't hold."""
+        sizes = [
+            f"{row['parameter']} = {row['value']:.4g} {unit_shown(row['unit'])} ({row['from']})"
+            for row in self.to_frame().to_dicts()
+            if row["from"] != "law"
+        ]
+        return [f"Beside the law's file: {', '.join(sizes)}"] if sizes else []
 
     def _next(self) -> str:
         return f"Next: {after_import(str(self.folder))}"
