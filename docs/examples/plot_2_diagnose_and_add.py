@@ -7,11 +7,9 @@ The diagnosis has to find it.
 """
 
 # %%
-# The virtual rig is a command. It tests a clamp that obeys the base law, with an end stop besides, at three
+# The virtual rig tests a clamp that obeys the base law, with an end stop besides, at three
 # amplitudes, two frequencies and two temperatures, with noise.
 
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -20,20 +18,25 @@ import matplotlib.pyplot as plt
 import pipeclamp as pc
 
 folder = Path(tempfile.mkdtemp())
-pc.identify(pc.read_campaign("clamp_a")).save(folder / "clamp.json")
-rig = "rig clamp.json -o stopped --effects end_stop --set k_e=600,y_e=0.7 --amplitudes 0.4,0.75,1 --frequencies 1,4"
-plan = "--temperatures 20,150 --cycles 4 --rate 300 --force-noise 6"
-subprocess.run(
-    [sys.executable, "-m", "pipeclamp", *rig.split(), *plan.split()],
-    cwd=folder,
-    check=True,
+clamp = pc.identify(pc.read_campaign("clamp_a"))
+rig = pc.rig(
+    clamp,
+    folder / "stopped",
+    effects="end_stop",
+    values={"k_e": 600.0, "y_e": 0.7},
+    amplitudes=[0.4, 0.75, 1.0],
+    frequencies=[1.0, 4.0],
+    temperatures=[20.0, 150.0],
+    cycles=4,
+    rate=300.0,
+    force_noise=6.0,
 )
 
 # %%
 # Fit the base law and ask what it lacks. Every effect of the catalogue is refitted together with the whole law, and
 # judged on conditions that were left out.
 
-tests = pc.read_campaign(folder / "stopped")
+tests = rig.tests()
 law = pc.identify(tests)
 answer = pc.diagnose(law, tests)
 print(answer)

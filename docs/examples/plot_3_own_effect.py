@@ -10,8 +10,6 @@ it is identified, diagnosed and built as every other effect.
 # The declaration: a name, what it looks like, its force and energy as expressions, its parameters with units, starts
 # and bounds. Expressions are parsed, never run.
 
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -21,7 +19,7 @@ import numpy as np
 import pipeclamp as pc
 
 folder = Path(tempfile.mkdtemp())
-pc.identify(pc.read_campaign("clamp_a")).save(folder / "clamp.json")
+clamp = pc.identify(pc.read_campaign("clamp_a"))
 notch = folder / "notch.toml"
 notch.write_text(
     """
@@ -50,14 +48,18 @@ upper = "A_highest"
 # %%
 # The virtual rig tests a clamp that has such a notch, of 400 N/mm at 0.35 mm.
 
-rig = f"rig clamp.json -o notched --effects {notch} --set k_b=400,y_b=0.35 --amplitudes 0.3,0.65,1 --frequencies 1,4"
-plan = "--temperatures 20,250 --cycles 3 --rate 300"
-subprocess.run(
-    [sys.executable, "-m", "pipeclamp", *rig.split(), *plan.split()],
-    cwd=folder,
-    check=True,
+rig = pc.rig(
+    clamp,
+    folder / "notched",
+    effects=notch,
+    values={"k_b": 400.0, "y_b": 0.35},
+    amplitudes=[0.3, 0.65, 1.0],
+    frequencies=[1.0, 4.0],
+    temperatures=[20.0, 250.0],
+    cycles=3,
+    rate=300.0,
 )
-tests = pc.read_campaign(folder / "notched")
+tests = rig.tests()
 
 # %%
 # Fitted with and without it:

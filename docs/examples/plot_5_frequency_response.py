@@ -9,14 +9,13 @@ gives its steady motions without integrating in time.
 # %%
 # The pipe and the coupled system are described by two files. The clamp obeys a bundled law.
 
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-import polars as pl
+
+import pipeclamp as pc
 
 folder = Path(tempfile.mkdtemp())
 (folder / "pipe.toml").write_text("""
@@ -66,17 +65,16 @@ dots = 0
 """)
 
 # %%
-# A curve for each temperature of the clamp.
+# A curve for each temperature of the clamp, and its highest motion at each place:
 
-words = ["response", "system.toml", "-o", "response.csv"]
-subprocess.run([sys.executable, "-m", "pipeclamp", *words], cwd=folder, check=True)
-states = pl.read_csv(folder / "response.csv")
-states.head(3)
+response = pc.response(folder / "system.toml")
+response.peaks()
 
 # %%
 # Amplitude at midspan over the frequency: hot, the clamp damps less, and the peak is higher. Motions that are unstable
 # would be dotted: a small disturbance grows there, so that no test would show them.
 
+states = response.to_frame()
 figure, axes = plt.subplots(figsize=(7.2, 4.2), layout="constrained")
 for (temperature,), curve in states.group_by("temperature [degC]", maintain_order=True):
     colour = "#2b7bba" if temperature == 20.0 else "#c2452d"

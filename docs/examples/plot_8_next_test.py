@@ -10,8 +10,6 @@ diagnosis says so, and proposes the test that would tell.
 # A narrow campaign from the virtual rig: three amplitudes, two frequencies, one temperature. The truth, the bundled law
 # ``emwm2``, has a stiffness that follows the frequency.
 
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -20,22 +18,21 @@ import matplotlib.pyplot as plt
 import pipeclamp as pc
 
 folder = Path(tempfile.mkdtemp())
-
-
-def pipeclamp(words):
-    """Run a command in the folder."""
-    subprocess.run(
-        [sys.executable, "-m", "pipeclamp", *words.split()], cwd=folder, check=True
-    )
-
-
-plan = "--temperatures 20 --cycles 3 --rate 240 --force-noise 8"
-pipeclamp(f"rig emwm2 -o narrow --amplitudes 0.3,0.6,1 --frequencies 3,4 {plan}")
+rig = pc.rig(
+    "emwm2",
+    folder / "narrow",
+    amplitudes=[0.3, 0.6, 1.0],
+    frequencies=[3.0, 4.0],
+    temperatures=[20.0],
+    cycles=3,
+    rate=240.0,
+    force_noise=8.0,
+)
 
 # %%
 # Two effects explain it equally well.
 
-narrow = pc.read_campaign(folder / "narrow")
+narrow = rig.tests()
 law = pc.identify(narrow)
 answer = pc.diagnose(law, narrow, limits="A=0.1..1.5,f=0.5..20,T=20..20")
 print(answer)

@@ -34,8 +34,8 @@ from pipeclamp_identification.metrics_only.published import (
 )
 from pipeclamp_identification.workflow.change import LawChange, add_effect
 from pipeclamp_identification.workflow.next_command import after_change, after_import
-from pipeclamp_identification.workflow.next_in_system import after_cosim
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_identification.workflow.systems.next_in_system import after_cosim
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.one_thread import one_thread

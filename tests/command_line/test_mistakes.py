@@ -171,6 +171,10 @@ def coefficients(law: Path, **entries) -> dict:
         (lambda law: json.dumps(coefficients(law, k10={"value": 1e6, "unit": "N/m", "state": "given"})), "'N/mm'"),
         (lambda law: json.dumps(coefficients(law, k10={"value": None, "unit": "N/mm", "state": "given"})), "k10"),
         (lambda law: json.dumps(coefficients(law, k10={"value": 1e400, "unit": "N/mm", "state": "given"})), "k10"),
+        (
+            lambda law: json.dumps(coefficients(law, k10={"value": "soft", "unit": "N/mm", "state": "given"})),
+            "law.json: coefficients.k10.value: got 'soft'; expected a number; correct it (pipeclamp-law-1), or fit",
+        ),
         (lambda law: json.dumps(changed(law, smoothing={"v_r": 0.0, "y_r": 1.0})), "v_r"),
         (lambda law: json.dumps(changed(law, further=1)), "further"),
         (lambda law: b"\xff\xfe\x00".decode("latin-1"), "law.json"),
@@ -180,7 +184,7 @@ def coefficients(law: Path, **entries) -> dict:
 def test_a_wrong_law(refused, law, small, tmp_path, make, words, what):
     path = tmp_path / "law.json"
     path.write_text(make(law), encoding="utf-8")
-    output = tmp_path / "output"
+    output = tmp_path / "output.fmu"
     arguments = (path, small, "--json", output) if what == "compare" else (path, "-o", output)
     assert words in refused(what, *arguments)
     assert not output.exists()
@@ -445,7 +449,7 @@ def test_text_in_a_law_reaches_the_fmu_as_text(pipeclamp, law, tmp_path):
 )
 def test_killed_in_the_middle_leaves_no_partial_output(monkeypatch, started, tmp_path, sent, words, in_the_middle):
     monkeypatch.setenv("FORCE_COLOR", "1")  # it tells what it does, as on a terminal
-    output = tmp_path / "output"
+    output = tmp_path / "output.fmu"
     with started(*words, "-o", output) as process:
         told = ""
         while in_the_middle not in told:

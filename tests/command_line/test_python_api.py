@@ -24,7 +24,8 @@ from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
 DOCUMENTED_ELSEWHERE = {
-    "Cosimulation", "Diagnosis", "Discovery", "LawsComparison", "LoopTests", "PlannedCampaign", "UserError",
+    "Cosimulation", "Diagnosis", "Discovery", "LawsComparison", "LoopTests", "PipeComparison", "PlannedCampaign",
+    "Response", "Rig", "Sweep", "SystemPackage", "UserError",
 }  # fmt: skip
 """What the example of another public name makes and shows."""
 
@@ -281,8 +282,12 @@ def test_public_names_are_documented_with_examples_that_run():
 
 
 @pytest.mark.parametrize(
-    "module", ["comparison", "diagnosis", "fmu", "importing", "law", "laws", "planning", "system", "tests"]
-)
+    "module",
+    [
+        "catalogue", "comparison", "diagnosis", "fmu", "importing", "law", "laws", "planning", "response", "study",
+        "system", "tests", "virtual",
+    ],
+)  # fmt: skip
 def test_examples_run(module):
     """Diagnoses and plans ask few effects here, and all of the catalogue elsewhere in this folder."""
     asks = module in ("diagnosis", "planning")

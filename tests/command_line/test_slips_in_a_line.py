@@ -26,7 +26,7 @@ def usage(monkeypatch, capsys):
     ("words", "said"),
     [
         (("plan", "-o", "x", "--hours", "0,5"), "'--hours': got '0,5'; expected a number, with a point: 0.5"),
-        (("build-fmu", "emwm2", "-o", "x", "--amplitude", "half"), "got 'half'; expected a number, with a point\n"),
+        (("build-fmu", "emwm2", "-o", "x.fmu", "--amplitude", "half"), "got 'half'; expected a number, with a point\n"),
         (("rig", "emwm2", "-o", "x", "--repeats", "1.5"), "got '1.5'; expected a whole number"),
         (("identify", "clamp_a", "-o", "x", "--base", "Power"), "'--base': 'Power' is not one of"),
     ],
@@ -61,16 +61,52 @@ def test_an_option_of_named_values_is_named(refused, monkeypatch, tmp_path, word
     [
         (("add", "memory:2", "emwm2", "clamp_a", "-o", "x"), "memory:2: an effect; expected a law there"),
         (("add", "emwm2", "clamp_a", "viscous", "-o", "x"), "viscous: an effect; expected a campaign there"),
-        (("build-fmu", ".", "-o", "x"), ".: a folder; expected a law's file"),
-        (("build-fmu", "clamp_a", "-o", "x"), "clamp_a: a campaign; expected a law there"),
+        (("build-fmu", ".", "-o", "x.fmu"), ".: a folder; expected a law's file"),
+        (("build-fmu", "clamp_a", "-o", "x.fmu"), "clamp_a: a campaign; expected a law there"),
+        (("build-fmu", EXAMPLES / "system.toml", "-o", "x.fmu"), "describes a system; expected a law there"),
         (("cosim", EXAMPLES / "pipe.toml", "-o", "x"), "describes a pipe; expected a system there"),
-        (("build-pipe", EXAMPLES / "system.toml", "-o", "x"), "describes a system; expected a pipe there"),
+        (("build-pipe", EXAMPLES / "system.toml", "-o", "x.fmu"), "describes a system; expected a pipe there"),
+        (("sweep", EXAMPLES / "system.toml", "-o", "x"), "describes a system; expected a study there"),
+        (("sweep", EXAMPLES / "pipe.toml", "-o", "x"), "describes a pipe; expected a study there"),
     ],
 )
 def test_one_thing_in_the_place_of_another_is_told_by_what_it_is(refused, monkeypatch, tmp_path, words, said):
     monkeypatch.chdir(tmp_path)
     assert said in refused(*words)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "ending"),
+    [
+        (("build-fmu", "emwm2", "-o", "clamp"), ".fmu"),
+        (("build-fmu", "emwm2", "-o", "clamp.zip"), ".fmu"),
+        (("build-pipe", EXAMPLES / "pipe.toml", "-o", "clamp.json"), ".fmu"),
+        (("set-parameters", "old.fmu", "emwm2", "-o", "clamp"), ".fmu"),
+        (("system", EXAMPLES / "system.toml", "-o", "clamp.fmu"), ".ssp"),
+    ],
+)
+def test_a_name_by_which_no_tool_knows_what_it_holds_is_refused(refused, monkeypatch, tmp_path, words, ending):
+    monkeypatch.chdir(tmp_path)
+    assert f"ends in {ending}, by which tools know it; expected clamp{ending}" in refused(*words, status=2)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("identify", "clamp_a", "MORE", "-o", "x"),
+        ("diagnose", "emwm2", "clamp_a", "MORE"),
+        ("metrics", "clamp_a", "MORE"),
+    ],
+)
+def test_several_campaigns_are_pointed_to_join(usage, small, words):
+    told = usage(*(str(small) if word == "MORE" else word for word in words))
+    assert f"of several campaigns one is made by: pipeclamp join clamp_a {small} -o all_tests" in " ".join(told.split())
+
+
+def test_what_is_over_and_no_campaign_is_not_pointed_to_join(usage):
+    assert "join" not in usage("identify", "clamp_a", "law.json", "-o", "x")
 
 
 def test_a_law_of_which_half_was_copied_is_told_as_that(refused, law, small, tmp_path):

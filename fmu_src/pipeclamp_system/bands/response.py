@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -77,7 +78,7 @@ def refuse(path: Path, per_cent: float, limits: Mapping[str, float]) -> None:
 
     Raises:
         UserError: the system can't be read, or no clamp has a law that tells how sure it is.
-        UsageError: the share can't be held by a band, or a limit is for no clamp or probe.
+        UsageError: the share can't be held by a band, or a limit is for no clamp or probe, or none.
     """
     steps_of(per_cent)
     description = read_system(path)
@@ -85,7 +86,9 @@ def refuse(path: Path, per_cent: float, limits: Mapping[str, float]) -> None:
     known = [clamp.at for clamp in description.clamps]
     if description.pipe.file is not None:
         known += [probe.name for probe in read_pipe(path.parent / description.pipe.file).probes]
-    for name in limits:
+    for name, limit in limits.items():
+        if not 0 < limit < math.inf:
+            raise UsageError(f"--limit: got {name}={limit:g}; expected a displacement above 0 mm")
         if name not in known:
             raise UsageError(f"--limit: {unknown_name(name, known, 'clamp or probe')}")
 

@@ -7,8 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, model_validator
 
-from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.toml_file import Celsius, Number, Positive, ShortName, TomlTable, read_toml, validated
+from pipeclamp_models.base.toml_file import Celsius, Number, Positive, ShortName, TomlTable, read_described
 from pipeclamp_system.description.scheme import ROLLS_BACK, Scheme
 
 LawMode = Literal["given", "solved", "tracked"]
@@ -218,7 +217,4 @@ def read_system(path: Path) -> SystemDescription:
     Raises:
         UserError: the file is missing, is not TOML, or describes no system; the message names the place.
     """
-    content = read_toml(path)
-    if "ends" in content and "run" not in content:
-        raise UserError(f"{path}: describes a pipe; expected a system there, which names the pipe's file under [pipe]")
-    return validated(content, SystemDescription, str(path))
+    return read_described(path, SystemDescription, "system")

@@ -144,7 +144,7 @@ class FrequencyResponse:
         """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
         lines = [f"system {self.name!r}, level 1: {self.excitation}"]
         for curve in self.curves:
-            peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
+            peaks = peaks_of(curve)
             frequencies = [state.frequency for state in curve.states]
             ends = dict.fromkeys(frequencies, "") | {end(frequencies): AT_AN_END for end in (min, max)}
             ends |= {state.frequency: UNBOUNDED for state in curve.states if state.unbounded}
@@ -314,6 +314,12 @@ def amplitudes_of(state: SteadyState) -> tuple[float, ...]:
     return tuple(half_range(np.vstack([state.clamps, state.probes])).tolist())
 
 
+def peaks_of(curve: Curve) -> list[tuple[float, float]]:
+    """Give the amplitude (mm) and the frequency (Hz) of a curve's highest state at each clamp and probe."""
+    points = range(len(amplitudes_of(curve.states[0])))
+    return [max((amplitudes_of(state)[point], state.frequency) for state in curve.states) for point in points]
+
+
 def run_response(path: Path, progress: Progress = silent, *, dots: bool = True) -> FrequencyResponse:
     """Give the frequency response of the system that a file describes.
 
@@ -427,15 +433,20 @@ def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
 def write_response(
     response: FrequencyResponse, path: Path, beside: Sequence[Mapping[str, float]] | None = None
 ) -> None:
-    """Write curves and dots as CSV, whole or not at all: a row each, "name [unit]" as header.
-
-    Args:
-        response: curves and dots.
-        path: the file.
-        beside: further columns of each state of the curves, in their order, by header.
+    """Write curves and dots as CSV, whole or not at all: `response_frame`.
 
     Raises:
         UserError: the folder can't be written.
+    """
+    write_whole(path, response_frame(response, beside).write_csv())
+
+
+def response_frame(response: FrequencyResponse, beside: Sequence[Mapping[str, float]] | None = None) -> pl.DataFrame:
+    """Give curves and dots, a row each, with "name [unit]" as header.
+
+    Args:
+        response: curves and dots.
+        beside: further columns of each state of the curves, in their order, by header.
     """
     rows: list[dict[str, float | str | None]] = []
     further = iter(beside if beside is not None else repeat({}))
@@ -457,7 +468,7 @@ def write_response(
         row |= {"settled": float(dot.settled), "trusted": float(dot.trusted), "repeats": float(dot.repeats)}
         row |= {"step [s]": dot.step}
         rows.append(row | {"truncated [1]": dot.truncated})
-    write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
+    return pl.from_dicts(rows, infer_schema_length=None)
 
 
 def _state_row(

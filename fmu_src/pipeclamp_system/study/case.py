@@ -20,7 +20,8 @@ from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.described import unknown_of
 from pipeclamp_system.bands.response import DAMP_IT, moving_of
 from pipeclamp_system.bands.sensitivity import moves_at, of_half_range, with_laws
-from pipeclamp_system.cosim.run import run_described
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.run import ShareDone, run_described
 from pipeclamp_system.description.excitation import require_kind
 from pipeclamp_system.description.system import PipeSource, SystemDescription
 from pipeclamp_system.steady.balance import SteadySystem
@@ -145,13 +146,21 @@ def _bands(
 
 def _cosimulated(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:
     """Co-simulate a case; amplitudes are those of the last fifth."""
-    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as name:
-        file = Path(name) / "pipe.fmu"
-        build_pipe(_reduced(pipe_table.model_dump_json()), file)
-        ready = system.model_copy(update={"pipe": PipeSource(fmu=str(file))})
-        result = run_described(ready, study.folder, study.description.name)
+    result = run_varied(pipe_table, system, study.folder, study.description.name)
     row: Row = {TRUSTED: result.trusted, "doubts": "; ".join(what for what, _ in result.doubts())}
     row |= {f"{name}{IN_RANGE}": name not in result.out_of_range for name in result.clamp_names}
     return row | {
         f"{point}.s [mm]": 1e3 * result.amplitude(f"{point}.s") for point in (*result.clamp_names, *result.probe_names)
     }
+
+
+def run_varied(
+    pipe_table: PipeDescription, system: SystemDescription, folder: Path, where: str, progress: ShareDone | None = None
+) -> CosimResult:
+    """Co-simulate a system on a pipe that stands in no file; other arguments as of `run_described`."""
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as name:
+        file = Path(name) / "pipe.fmu"
+        build_pipe(_reduced(pipe_table.model_dump_json()), file)
+        return run_described(
+            system.model_copy(update={"pipe": PipeSource(fmu=str(file))}), folder, where, progress
+        )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -16,8 +16,8 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeclamp_fmu.build import version
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.toml_file import Number, TomlTable, read_table, read_toml, unknown, validated
-from pipeclamp_models.pipe.description import PipeDescription
+from pipeclamp_models.base.toml_file import Number, TomlTable, read_described, read_toml, unknown, validated
+from pipeclamp_models.pipe.description import PipeDescription, read_pipe
 from pipeclamp_system.bands.band import steps_of
 from pipeclamp_system.bands.described import refuse_unknown
 from pipeclamp_system.description.system import SystemDescription, files_of_system
@@ -118,14 +118,55 @@ class Study:
         Raises:
             UserError: a place isn't there, or the case describes nothing that can be.
         """
-        tables = {"pipe": copy.deepcopy(dict(self.pipe)), "system": copy.deepcopy(dict(self.system))}
-        for place, value in values.items():
-            if place == NUMBER:
-                tables["system"]["clamps"] = _first_clamps(tables["system"].get("clamps", []), value)
-            else:
-                _put(tables, place.split("."), value, place)
-        where = ", ".join(f"{place} = {value:g}" for place, value in values.items())
-        return validated(tables["pipe"], PipeDescription, where), validated(tables["system"], SystemDescription, where)
+        return described_with(self.pipe, self.system, values)
+
+
+def described_with(
+    pipe: Mapping[str, Any], system: Mapping[str, Any], values: Values
+) -> tuple[PipeDescription, SystemDescription]:
+    """Give pipe and system with other values at some places.
+
+    Args:
+        pipe, system: the tables of PIPE.toml and SYSTEM.toml.
+        values: by place, as of `StudyDescription.vary`.
+
+    Raises:
+        UserError: a place isn't there, or this describes nothing that can be.
+    """
+    tables = {"pipe": copy.deepcopy(dict(pipe)), "system": copy.deepcopy(dict(system))}
+    for place, value in values.items():
+        if place == NUMBER:
+            tables["system"]["clamps"] = _first_clamps(tables["system"].get("clamps", []), value)
+        else:
+            _put(tables, place.split("."), value, place)
+    where = ", ".join(f"{place} = {value:g}" for place, value in values.items())
+    return validated(tables["pipe"], PipeDescription, where), validated(tables["system"], SystemDescription, where)
+
+
+def refuse_places(places: Iterable[str], where: str) -> None:
+    """Refuse places that lie neither in the pipe nor in the system; `where` is named in the error.
+
+    Raises:
+        UserError: one does.
+    """
+    for place in places:
+        if place != NUMBER and place.split(".")[0] not in ("pipe", "system"):
+            raise UserError(f"{where}: vary.{place!r}: expected pipe.… or system.…, for example pipe.flow.velocity_m_s")
+
+
+def tables_of(system_path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Give the tables of a system's pipe and of the system itself.
+
+    Raises:
+        UserError: a file can't be read, or the pipe is an FMU.
+    """
+    system = read_toml(system_path)
+    file = system["pipe"].get("file")
+    if file is None:
+        raise UserError(f"{system_path}: pipe: got an FMU; expected file = 'PIPE.toml', whose values can be varied")
+    pipe_path = system_path.parent / file
+    read_pipe(pipe_path)
+    return read_toml(pipe_path), system
 
 
 def _first_clamps(clamps: list[Any], number: float) -> list[Any]:
@@ -190,7 +231,7 @@ def files_of_study(path: Path) -> list[Path]:
     Raises:
         UserError: the study or its system can't be read.
     """
-    system = path.parent / read_table(path, StudyDescription).system
+    system = path.parent / read_described(path, StudyDescription, "study").system
     return [system, *files_of_system(system)]
 
 
@@ -206,7 +247,7 @@ def read_study(path: Path, per_cent: float | None = None) -> Study:
             it is.
         UsageError: the share can't be held by a band, or the cases are co-simulated.
     """
-    description = read_table(path, StudyDescription)
+    description = read_described(path, StudyDescription, "study")
     if per_cent is not None:
         steps_of(per_cent)
         if description.measure == "cosim":
@@ -214,21 +255,13 @@ def read_study(path: Path, per_cent: float | None = None) -> Study:
     digest = hashlib.sha256(path.read_bytes())
     system_path = path.parent / description.system
     used = files_of_system(system_path)
-    system = read_toml(system_path)
-    file = system["pipe"].get("file")
-    if file is None:
-        raise UserError(f"{system_path}: pipe: a study needs file = 'PIPE.toml', not an FMU")
-    pipe_path = system_path.parent / file
-    read_table(pipe_path, PipeDescription)
-    pipe = read_toml(pipe_path)
+    pipe, system = tables_of(system_path)
     for one in (system_path, *used):
         digest.update(one.read_bytes())
     digest.update(version().encode())
     digest.update(b"" if per_cent is None else f"bands {per_cent!r}".encode())
     study = Study(description, system_path.parent.resolve(), pipe, system, digest.hexdigest(), per_cent)
-    for place in description.vary:
-        if place != NUMBER and place.split(".")[0] not in ("pipe", "system"):
-            raise UserError(f"{path}: vary.{place!r}: expected pipe.… or system.…, for example pipe.flow.velocity_m_s")
+    refuse_places(description.vary, str(path))
     try:
         for pick in (0, -1):
             study.described({place: values[pick] for place, values in description.axes.items()})

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeclamp.api.law import Law, opened
@@ -132,6 +134,8 @@ def compare(law: Law | PathOrName, tests: Tests | PathOrName) -> Comparison:
     >>> compare("emwm2", read_campaign("emwm2_tables"))
     <comparison of emwm2 with emwm2_tables: error 0.91%>
     """
+    if isinstance(law, str | PathLike) and Path(law).suffix == ".toml":
+        raise UserError(f"compare: got {law}; expected a law: pc.compare_pipe holds a system against measurements")
     known, tests = opened(law), tested(tests)
     return Comparison(known, tests, tests.tests.compare(known.file))
 

@@ -10,12 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown, frame_of
+from pipeclamp.api.shown import PathOrName, Shown, called_from_python, frame_of, processes
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
+from pipeclamp_identification.campaign.drive import write_drive
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-from pipeclamp_identification.workflow.next_command import next_command
+from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_identification.workflow.climb import Settled
+from pipeclamp_identification.workflow.next_command import NEXT_TEST, next_command
 from pipeclamp_identification.workflow.tests import Diagnosed
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.base.progress import Progress, silent
@@ -32,16 +36,20 @@ class Diagnosis(Shown):
     """Which effect a law lacks, or which test would tell.
 
     Attributes:
-        law, tests: what was diagnosed.
+        law, tests: what was diagnosed; with `auto` the law that the ladder ended with, which no file holds yet.
         declared: a user's own effects that were candidates too.
 
     `diagnose` makes one; its example shows what it holds.
     """
 
-    def __init__(self, law: Law, tests: Tests, found: Diagnosed, declared: dict[str, Declaration]) -> None:
+    def __init__(
+        self, law: Law, tests: Tests, found: Diagnosed, declared: dict[str, Declaration], settled: Settled | None = None
+    ) -> None:
         self.law = law
         self.tests = tests
         self._found = found
+        self._rungs = settled.words() if settled else []
+        self._ladder = settled.ladder if settled else ()
         self._paths = {declaration.id: path for path, declaration in declared.items()}
         self.declared = tuple(declared.values())
 
@@ -72,6 +80,25 @@ class Diagnosis(Shown):
         return found
 
     @property
+    def ladder(self) -> list[dict[str, Any]]:
+        """What `auto` did, rung by rung: effect, kind, error on left-out conditions before and after."""
+        found: list[dict[str, Any]] = self.to_dict()["ladder"]
+        return found
+
+    def save_drive(self, path: PathOrName) -> Path:
+        """Write the next test's drive signal, .csv or .parquet, whole or not at all, and give its path.
+
+        Raises:
+            UserError: no test is proposed, or it can't be written there.
+        """
+        if self._found.proposal is None:
+            why = self._found.no_test or f"the verdict is {self.verdict!r}"
+            raise UserError(f"save_drive: no test is proposed: {why}")
+        with called_from_python(drive="save_drive"):
+            write_drive(self._found.proposal.plan.signal(), Path(path))
+        return Path(path)
+
+    @property
     def next_command(self) -> str:
         """The shell line to run next."""
         return next_command(self._found, self.law.origin, self.tests.origin, self._paths)
@@ -81,12 +108,17 @@ class Diagnosis(Shown):
         from pipeclamp.show.diagnosis_views import diagnosis_view
 
         with one_thread():
-            view = diagnosis_view(self._found, (), self.next_command)
+            view = diagnosis_view(self._found, self._ladder, self.next_command)
+        view = replace(view, lines=[*self._rungs, *view.lines])
         return view if self.law.is_kept else replace(view, lines=[*view.lines, self._from_python()])
 
     def _from_python(self) -> str:
         """Say how to go on where no file holds the law, which the command reads."""
-        then = "; pc.add(law, answer, tests) does it from here" if self.verdict == "missing" else ""
+        then = ""
+        if self.verdict == "missing":
+            then = "; pc.add(law, answer, tests) does it from here"
+        elif self._found.proposal is not None:
+            then = f"; answer.save_drive('{NEXT_TEST}.csv') writes the drive signal from here"
         return f"  law.save({self.law.origin!r}) writes the law that it reads{then}"
 
     def view(self) -> View:
@@ -98,7 +130,7 @@ class Diagnosis(Shown):
         from pipeclamp.pages.page import Report
         from pipeclamp.pages.sections import diagnosis_page
 
-        sections = diagnosis_page(self.law.file, self._found, self.next_command)
+        sections = diagnosis_page(self.law.file, self._found, self.next_command, self._ladder)
         return Report(f"Diagnosis of {self.law.name}", f"against {self.tests.name}", sections)
 
     def to_frame(self) -> pl.DataFrame:
@@ -111,11 +143,13 @@ class Diagnosis(Shown):
         return f"<diagnosis of {self.law.name} on {self.tests.name}: {self.verdict}{effects}>"
 
 
+@called_from_python()
 @one_thread()
 def diagnose(
     law: Law | PathOrName,
     tests: Tests | PathOrName,
     *,
+    auto: bool = False,
     limits: str = "",
     declared: Iterable[PathOrName] = (),
     jobs: int = 1,
@@ -126,6 +160,8 @@ def diagnose(
     Args:
         law: the law, or its file or bundled name.
         tests: the tests, or their folder or bundled name.
+        auto: add what is missing, again and again, while that lowers the error on left-out conditions; `answer.law` is
+            the law that this ends with, `answer.ladder` how, and the verdict that of the end.
         limits: what the rig can do, for the next test: "A=0.1..2,f=0.5..20,T=20..300" (mm, Hz, °C).
         declared: declarations of your own effects by path (F.toml): candidates too.
         jobs: processes that share the work where that saves time; -1 for as many as there are cores.
@@ -145,5 +181,13 @@ def diagnose(
     known, tests = opened(law), tested(tests)
     own = {fspath(path): read_declaration(Path(path)) for path in declared}
     reach = parse_limits(limits) if limits else None
-    found = tests.tests.diagnose(known.file, declared=own.values(), limits=reach, workers=Workers(jobs, progress))
-    return Diagnosis(known, tests, found, own)
+    workers = Workers(processes(jobs), progress)
+    if auto:
+        command = f"pc.diagnose({known.name!r}, {tests.name!r}, auto=True)"
+        settled = add_until_settled(
+            known.file, tests.tests, command=command, declared=[*own.values()], limits=reach, workers=workers
+        )
+        return Diagnosis(Law(settled.with_diagnosis(tests.name)), tests, settled.found, own, settled)
+    return Diagnosis(
+        known, tests, tests.tests.diagnose(known.file, declared=own.values(), limits=reach, workers=workers), own
+    )

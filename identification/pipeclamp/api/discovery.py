@@ -9,18 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown
+from pipeclamp.api.shown import PathOrName, Shown, processes
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
 from pipeclamp_identification.workflow import discover as workflow
 from pipeclamp_identification.workflow.next_command import after_discovery
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.files import refuse_ending, write_whole
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.base.progress import Progress, silent
-from pipeclamp_models.law.declaration_files import read_declaration
+from pipeclamp_models.law.declaration_files import SUFFIX, read_declaration
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
@@ -70,6 +70,7 @@ class Discovery(Shown):
         """
         if self._found.declaration is None:
             raise UserError(f"nothing is proposed: {self.reason}")
+        refuse_ending(Path(path), SUFFIX, "a declaration")
         write_whole(Path(path), toml_of(self._found.declaration))
         return Path(path)
 
@@ -136,6 +137,6 @@ def discover(
     known, tests = opened(law), tested(tests)
     declarations = [read_declaration(Path(fspath(path))) for path in declared]
     found = workflow.discover(
-        known.file, tests.tests, command=COMMAND, declared=declarations, workers=Workers(jobs, progress)
+        known.file, tests.tests, command=COMMAND, declared=declarations, workers=Workers(processes(jobs), progress)
     )
     return Discovery(known, tests, found)

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName
+from pipeclamp.api.shown import PathOrName, Told, path_of
 from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.files import FMU, SSP, refuse_ending
 from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
+
+if TYPE_CHECKING:
+    from pipeclamp.show.table import Table
+    from pipeclamp_system.cosim.parallel_step import ParallelStep
 
 FmuKind = Literal["python", "native"]
 
@@ -72,7 +78,7 @@ def build_fmu(
         events=events,
         memory_as_states=memory_as_states,
     )
-    file, target = opened(law).file, Path(path)
+    file, target = opened(law).file, _target(path, FMU, "an FMU")
     if not events and kind == "python":
         raise UsageError("events=False is for kind='native'; a Python FMU has no model exchange")
     if memory_as_states and kind == "python":
@@ -81,6 +87,37 @@ def build_fmu(
         build_native_clamp(file, target, fmi, platforms, start)
     else:
         build_clamp(file, target, start)
+    return target
+
+
+@one_thread()
+def set_parameters(fmu: PathOrName, law: Law | PathOrName, path: PathOrName | None = None) -> Path:
+    """Put another law's parameters into a finished clamp FMU, without a compiler.
+
+    Args:
+        fmu: an FMU made by `build_fmu`, of a law with the same base and effects.
+        law: the law, or its file or bundled name.
+        path: the FMU to write, whole or not at all; the same unless told.
+
+    Returns:
+        the path of the FMU that was written.
+
+    Raises:
+        UserError: the file is no such FMU, the law has other equations, its range doesn't hold what the FMU was told to
+            start with, or the FMU can't be written.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     fmu = build_fmu("published_R1", Path(folder) / "clamp.fmu")
+    ...     set_parameters(fmu, "published_R2", Path(folder) / "other.fmu").name
+    'other.fmu'
+    """
+    from pipeclamp_fmu import set_parameters as setting
+
+    given = Path(path_of(fmu, "a clamp's FMU"))
+    target = given if path is None else _target(path, FMU, "an FMU")
+    setting.set_parameters(given, opened(law).file, target)
     return target
 
 
@@ -124,11 +161,88 @@ def build_pipe(
     from pipeclamp_models.pipe.description import read_pipe
     from pipeclamp_models.pipe.modes import reduce
 
-    reduced, target = reduce(read_pipe(Path(pipe))), Path(path)
+    reduced, target = reduce(read_pipe(Path(path_of(pipe, "a pipe, PIPE.toml")))), _target(path, FMU, "an FMU")
     if _native(kind, fmi, platforms):
         build.build_native_pipe(reduced, target, fmi, platforms)
     else:
         build.build_pipe(reduced, target)
+    return target
+
+
+class SystemPackage(Told):
+    """A coupled system packaged for other masters.
+
+    Attributes:
+        path: the SSP.
+
+    `build_system` makes one.
+    """
+
+    def __init__(self, path: Path, found: ParallelStep) -> None:
+        self.path = path
+        self._found = found
+
+    @property
+    def step_s(self) -> float | None:
+        """The longest macro step for masters that couple in parallel, s; None where none is known."""
+        return self._found.step
+
+    @property
+    def step_error(self) -> float:
+        """The error of the displacement in the shortest step that was tried, as a share; inf where it isn't known."""
+        return self._found.error
+
+    def __fspath__(self) -> str:
+        """Give the path of the SSP, so that it may stand where a path does."""
+        return str(self.path)
+
+    def _told(self) -> tuple[Sequence[Table], Sequence[str]]:
+        from pipeclamp.show.packaged import parallel_words
+
+        return [], [f"{self.path}: SSP 1.0", parallel_words(self._found)]
+
+    def __repr__(self) -> str:
+        """Give the file and the step."""
+        return f"<system {self.path.name}: {f'steps of {self.step_s:g} s' if self.step_s else 'no step known'}>"
+
+
+@one_thread()
+def build_system(
+    system: PathOrName, path: PathOrName, kind: FmuKind = "python", *, progress: Progress = silent
+) -> SystemPackage:
+    """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters.
+
+    Args:
+        system: description of the coupled system, SYSTEM.toml.
+        path: the SSP to write, whole or not at all.
+        kind: of all that isn't an FMU yet, as of `build_fmu`.
+        progress: is told which steps are tried.
+
+    Returns:
+        the SSP's path, and the step that masters may take.
+
+    Raises:
+        UserError: the system can't be read or built, has too many steps, or the file can't be written.
+
+    >>> build_system("system.toml", "system.ssp")  # doctest: +SKIP
+    <system system.ssp: steps of 0.001 s>
+    """
+    from pipeclamp_system.cosim.building import NATIVE, PYTHON
+    from pipeclamp_system.cosim.ssp import write_system
+
+    described, target = Path(path_of(system, "the description of a system, SYSTEM.toml")), _target(path, SSP, "an SSP")
+    build = NATIVE if _native(kind, 2, None) else PYTHON
+    return SystemPackage(target, write_system(described, target, build, progress))
+
+
+def _target(path: PathOrName, ending: str, what: str) -> Path:
+    """Give the file to write.
+
+    Raises:
+        UserError: it is no path, or its name ends otherwise.
+    """
+    target = Path(path_of(path, f"the name of {what} to write"))
+    refuse_ending(target, ending, what)
     return target
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from os import PathLike, fspath
+from os import fspath
 from pathlib import Path
 
 from pipeclamp.api.diagnosis import Diagnosis
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, path_of
+from pipeclamp.api.shown import PathOrName, path_of, several
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.change import add_effects, remove_effect
@@ -57,7 +57,7 @@ def identify(
     1.29%, k10 = 1451 N/mm
     """
     tests = tested(tests)
-    effects = _listed(effects)
+    effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
     structure = Structure(base, tuple(names), tuple(sorted((freeze or {}).items()))).with_declared(declarations)
     found = tests.tests.identify(structure, method=method, progress=progress)
@@ -96,7 +96,7 @@ def identify_per(
     from pipeclamp_identification.workflow.per_group import identify_per as fitted
 
     tests = tested(tests)
-    effects = _listed(effects)
+    effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
     structure = Structure(base, tuple(names)).with_declared(declarations)
     laws = fitted(tests.tests, column, structure, progress=progress)
@@ -155,7 +155,7 @@ def add(
             )
         names, kind, declarations = effect.together or effect.effects, effect.kind, effect.declared
     else:
-        names, declarations = read_effects((path_of(name, "an effect or a diagnosis") for name in _listed(effect)), ())
+        names, declarations = read_effects((path_of(name, "an effect or a diagnosis") for name in several(effect)), ())
         if not names:
             raise UserError('add: got no effect; expected one by name, such as add(law, "memory", tests)')
     named = repr(names[0] if len(names) == 1 else names)
@@ -209,10 +209,3 @@ def _read(tests: Tests) -> str:
 
 def _named(law: Law | PathOrName) -> str:
     return f"pc.open_law({Path(opened(law).origin).name!r})"
-
-
-def _listed(effects: PathOrName | Sequence[PathOrName]) -> Sequence[PathOrName]:
-    """Give effects as several: a name by itself is one, not its letters; what is neither is refused where it's read."""
-    if isinstance(effects, str | PathLike) or not isinstance(effects, Sequence):
-        return (effects,)
-    return effects

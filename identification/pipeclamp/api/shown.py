@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from html import escape
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from pipeclamp.show.table import Table, cell
 from pipeclamp.show.view import View
@@ -33,20 +38,124 @@ def path_of(given: object, what: str) -> str:
     raise UserError(f"got {given!r}; expected {what}, or its path or name")
 
 
-class Shown:
-    """A result that is told in sentences and tables."""
+def number_of(given: object, what: str, unit: str = "") -> float:
+    """Give a number that a user stated; what it is of, and in which unit, is named in the error.
 
-    def view(self) -> View:
-        """Give its answer, tables and lines."""
+    Raises:
+        UserError: it is no finite number.
+    """
+    known = isinstance(given, int | float | np.integer | np.floating) and not isinstance(given, bool)
+    if known and math.isfinite(number := float(given)):  # type: ignore[arg-type]
+        return number
+    raise UserError(f"{what}: got {given!r}; expected a finite number{f' of {unit}' if unit else ''}")
+
+
+def count_of(given: object, what: str) -> int:
+    """Give a whole number of 0 or more that a user stated.
+
+    Raises:
+        UserError: it is none.
+    """
+    if isinstance(given, int | float | np.integer | np.floating) and not isinstance(given, bool):
+        number = float(given)
+        if number >= 0 and number.is_integer():
+            return int(number)
+    raise UserError(f"{what}: got {given!r}; expected a whole number")
+
+
+def number_or_none(given: object, what: str, unit: str = "") -> float | None:
+    """Give a number that a user may have left out, as `number_of` does."""
+    return None if given is None else number_of(given, what, unit)
+
+
+def numbers_by_name(given: object, what: str, example: str) -> dict[str, float]:
+    """Give numbers that a user stated by name; None for none.
+
+    Raises:
+        UserError: they aren't a dict of finite numbers; the example is named as what was expected.
+    """
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise UserError(f"{what}: got {given!r}; expected numbers by name, such as {example}")
+    return {str(name): number_of(value, f"{what}[{name!r}]") for name, value in given.items()}
+
+
+def several(given: PathOrName | Sequence[PathOrName]) -> Sequence[PathOrName]:
+    """Give what a user named as several: a name by itself is one, not its letters; what is neither is refused where
+    it's read."""
+    return (given,) if isinstance(given, str | PathLike) or not isinstance(given, Sequence) else given
+
+
+def processes(jobs: object) -> int:
+    """Give the number of processes that a user asked for; -1 for as many as there are cores.
+
+    Raises:
+        UserError: it is none.
+    """
+    if isinstance(jobs, int) and not isinstance(jobs, bool) and (jobs == -1 or jobs > 0):
+        return jobs
+    raise UserError(f"jobs: got {jobs!r}; expected -1, or a whole number above 0")
+
+
+def plain_call(name: str, first: str, **arguments: object) -> str:
+    """Give a call as text, for what it makes: files by the last part of their path, arguments that say something."""
+    said = [f"{key}={value!r}" for key, value in arguments.items() if value]
+    return f"pc.{name}({', '.join([repr(Path(first).name), *said])})"
+
+
+@contextmanager
+def called_from_python(**names: str) -> Iterator[None]:
+    """Tell a user's mistake in the words of a call, as a decorator: `limits` in the place of `--limits`.
+
+    Args:
+        names: what an option is called here, where it isn't called alike.
+    """
+    try:
+        yield
+    except UserError as error:
+        error.args = (_in_python(str(error), names),)
+        raise
+
+
+def _in_python(text: str, names: Mapping[str, str]) -> str:
+    """Give a message with arguments in the place of options; of a command's line nothing is changed."""
+
+    def argument(found: re.Match[str]) -> str:
+        option, entry, value = found.group(1).replace("-", "_"), found.group(2), found.group(3)
+        name = names.get(option, option)
+        return f"{name}={{'{entry}': ...}}" if entry else f"{name}={value}" if value else name
+
+    if "pipeclamp " in text:
+        return text
+    for key, name in names.items():
+        text = re.sub(rf"\b{key}\.(?=')", f"{name} ", text)  # a key of a file
+    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)(?: (\w+)=\.\.\.| (\d+)\b)?", argument, text)
+
+
+class Told:
+    """A result that is told in tables and sentences."""
+
+    def _told(self) -> tuple[Sequence[Table], Sequence[str]]:
+        """Give its tables, and its lines."""
         raise NotImplementedError
+
+    def __str__(self) -> str:
+        """Give what a terminal shows below the command's tables."""
+        return "\n".join(self._told()[1])
+
+    def _repr_html_(self) -> str:
+        """Give what a notebook shows."""
+        tables, lines = self._told()
+        return "".join(f"<p>{escape(line)}</p>" for line in lines if line) + "".join(map(html_table, tables))
+
+
+class Reported(Told):
+    """A result that has a page, too."""
 
     def page(self) -> Report:
         """Give its page."""
         raise NotImplementedError
-
-    def to_dict(self) -> dict[str, Any]:
-        """Give what --json writes: dicts, lists, text, numbers and None; `pipeclamp schema` gives its schema."""
-        return self.view().answer.to_dict()
 
     def report(self, path: PathOrName) -> Path:
         """Write the page with pictures, whole or not at all, and give its path; it opens without a network.
@@ -60,15 +169,21 @@ class Shown:
         write_report(target, *self.page())
         return target
 
-    def __str__(self) -> str:
-        """Give what a terminal shows below the command's tables."""
-        return "\n".join(self.view().lines)
 
-    def _repr_html_(self) -> str:
-        """Give what a notebook shows."""
+class Shown(Reported):
+    """A result whose command has an answer for programs."""
+
+    def view(self) -> View:
+        """Give its answer, tables and lines."""
+        raise NotImplementedError
+
+    def _told(self) -> tuple[Sequence[Table], Sequence[str]]:
         view = self.view()
-        lines = "".join(f"<p>{escape(line)}</p>" for line in view.lines)
-        return lines + "".join(map(html_table, view.tables))
+        return view.tables, view.lines
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give what --json writes: dicts, lists, text, numbers and None; `pipeclamp schema` gives its schema."""
+        return self.view().answer.to_dict()
 
 
 def html_table(table: Table) -> str:

@@ -2,41 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from html import escape
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipeclamp.api.shown import PathOrName, path_of
+from pipeclamp.api.shown import (
+    PathOrName,
+    Reported,
+    called_from_python,
+    number_or_none,
+    numbers_by_name,
+    path_of,
+)
+from pipeclamp_identification.workflow.systems.computed import CoSimulated, co_simulate
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.base.toml_file import unknown
-from pipeclamp_system.cosim.result import CosimResult, write_result
-from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.result import write_result
 from pipeclamp_system.cosim.summary import summary_of
 
 if TYPE_CHECKING:
-    from pipeclamp.pages.page import Section
+    from pipeclamp.pages.page import Report
+    from pipeclamp.show.table import Table
     from pipeclamp_identification.workflow.next_step import NextStep
-    from pipeclamp_system.bands.ensemble import RunBands
+
+A_SYSTEM = "the description of a system, SYSTEM.toml"
+"""What `cosim` and its like expect."""
+PLACES = '{"system.clamps.clamp1.temperature_C": 150.0}'
+"""Values by place, for an error."""
 
 
-class Cosimulation:
+class Cosimulation(Reported):
     """What a co-simulation gave.
 
     Attributes:
         origin: the system's description.
+        values: what was other than it states, by place.
         result: all columns, units, the energy balance, and what is to be doubted.
         bands: how sure it is, where that was asked for.
     """
 
-    def __init__(self, result: CosimResult, origin: Path, bands: RunBands | None = None) -> None:
-        self.result = result
-        self.bands = bands
+    def __init__(self, found: CoSimulated, origin: Path, values: Mapping[str, float]) -> None:
+        self.result = found.result
+        self.bands = found.bands
         self.origin = origin
+        self.values = dict(values)
 
     @property
     def trusted(self) -> bool:
@@ -77,54 +91,54 @@ class Cosimulation:
         write_result(self.result, target)
         return target
 
-    def report(self, path: PathOrName) -> Path:
-        """Write the page with pictures, whole or not at all, and give its path.
+    def page(self) -> Report:
+        """Give the page, as `pipeclamp cosim --report` writes it."""
+        from pipeclamp.pages.system.cosim import cosim_page
 
-        Raises:
-            UserError: it can't be written there.
-        """
-        from pipeclamp.pages.page import write_report
-
-        target = Path(path)
-        write_report(target, f"Co-simulation: {self.result.name}", self.origin.name, self._sections())
-        return target
-
-    def _sections(self) -> Sequence[Section]:
-        from pipeclamp.pages.system.cosim import cosim_sections
-
-        return cosim_sections(self.result, self.bands, self._following())
+        return cosim_page(self.result, self.origin.name, self.bands, self._following())
 
     def _following(self) -> NextStep:
-        from pipeclamp_identification.workflow.next_in_system import after_cosim
+        from pipeclamp_identification.workflow.systems.next_in_system import after_cosim
 
-        return after_cosim(self.result, self.origin, "cosim.csv", bands=self.bands.per_cent if self.bands else None)
+        step = after_cosim(self.result, self.origin, "cosim.csv", bands=self.bands.per_cent if self.bands else None)
+        return step.once(f"once {self._values_words()} stands in its file") if self.values else step
 
-    def __str__(self) -> str:
+    def _values_words(self) -> str:
+        return ", ".join(f"{place} = {value:g}" for place, value in self.values.items())
+
+    def _told(self) -> tuple[Sequence[Table], Sequence[str]]:
         """Say what came out, and what isn't to be trusted."""
         from pipeclamp.pages.system.cosim import answer_first
 
         banded = self.bands.words() if self.bands else ()
-        return "\n".join([*answer_first(summary_of(self.result).splitlines()), *banded, self._following().words()])
+        given = [f"With {self._values_words()}."] if self.values else []
+        return [], [*given, *answer_first(summary_of(self.result).splitlines()), *banded, self._following().words()]
 
     def __repr__(self) -> str:
         """Give the system, and whether the result can be trusted."""
         return f"<co-simulation of {self.result.name}: {'trusted' if self.trusted else 'NOT TO BE TRUSTED'}>"
 
-    def _repr_html_(self) -> str:
-        """Give what a notebook shows."""
-        return "".join(f"<p>{escape(line)}</p>" for line in str(self).splitlines())
 
-
+@called_from_python(vary="values")
 @one_thread()
-def cosim(system: PathOrName, *, bands: float | None = None) -> Cosimulation:
+def cosim(
+    system: PathOrName,
+    *,
+    bands: float | None = None,
+    values: Mapping[str, float] | None = None,
+    progress: Progress = silent,
+) -> Cosimulation:
     """Couple a pipe FMU with clamp FMUs and run them.
 
     Args:
         system: description of the coupled system, SYSTEM.toml; paths in it are relative to its folder.
         bands: per cent that the bands of its columns are to hold, such as 95, by an ensemble of runs; None for none.
+        values: other values than the files state, by place as in a study's [vary]:
+            {"system.clamps.clamp1.temperature_C": 150.0, "pipe.flow.velocity_m_s": 2.0}; the pipe must be a PIPE.toml.
+        progress: is told what is being done.
 
     Raises:
-        UserError: the system can't be read, built or run, or no law tells how sure it is.
+        UserError: the system can't be read, built or run, a place isn't there, or no law tells how sure it is.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -149,11 +163,5 @@ def cosim(system: PathOrName, *, bands: float | None = None) -> Cosimulation:
     >>> result
     <co-simulation of cantilever with a clamp: trusted>
     """
-    path = Path(path_of(system, "the description of a system"))
-    result = run_system(path)
-    if bands is None:
-        return Cosimulation(result, path)
-    from pipeclamp_system.bands.ensemble import run_bands
-
-    banded = run_bands(path, result, bands)
-    return Cosimulation(banded.result, path, banded)
+    path, given = Path(path_of(system, A_SYSTEM)), numbers_by_name(values, "values", PLACES)
+    return Cosimulation(co_simulate(path, number_or_none(bands, "bands", "per cent"), progress, given), path, given)

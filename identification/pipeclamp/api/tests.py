@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.metrics_only.campaign import MetricRun
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests as AnyTests
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ class Tests(Shown):
 
     >>> print(read_campaign("clamp_a"))
     clamp_a: 48 runs, A 0.195 to 1.01 mm, f 1 to 5 Hz, T 18.6 to 302 °C
+    >>> len(read_campaign("clamp_a")), next(iter(read_campaign("clamp_a")))
+    (48, 'A0p2_f1_T20')
     """
 
     __test__ = False  # no test of pytest's, whatever its name
@@ -51,6 +54,35 @@ class Tests(Shown):
         """What to know of the runs, those of free motion among them, which only `compare` takes."""
         known = self.tests.of_sines() if self.tests.has_loops else self.tests
         return tuple(known.remarks)
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """Names of the runs that can be used, as in runs.csv; those of free motion last."""
+        return (*(run.name for run in self._loops), *self.tests.free_runs)
+
+    def __len__(self) -> int:
+        """Count the runs that can be used."""
+        return len(self.runs)
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through their names: `for run in tests: tests.record(run)`."""
+        return iter(self.runs)
+
+    @one_thread()
+    def save_metrics(self, folder: PathOrName) -> Path:
+        """Write the loops' dW and W as a campaign without records, a new folder, as `pipeclamp metrics -o` does.
+
+        Laws can be identified from it: `identify(tests.save_metrics("metrics"))`.
+
+        Raises:
+            UserError: the folder exists, or its parent can't be written.
+        """
+        from pipeclamp_identification.metrics_only.writing import metric_files
+        from pipeclamp_models.base.files import write_folder
+
+        target = Path(path_of(folder, "a folder"))
+        write_folder(target, metric_files(self.tests.metrics()))
+        return target
 
     @one_thread()
     def view(self) -> View:
@@ -151,5 +183,11 @@ def read_campaign(campaign: PathOrName, *, strict: bool = False) -> Tests:
 
 
 def tested(tests: Tests | PathOrName) -> Tests:
-    """Give tests as they are, or read them."""
+    """Give tests as they are, or read them.
+
+    Raises:
+        UserError: they are several, or can't be read.
+    """
+    if isinstance(tests, list | tuple):
+        raise UserError(f"got {len(tests)} campaigns in a list; expected one: pc.join makes one of several")
     return tests if isinstance(tests, Tests) else read_campaign(tests)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -28,7 +26,6 @@ from pipeclamp.cli.terminal import (
     values_in,
     warn,
 )
-from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.said import counted
 
 app = typer.Typer()
@@ -40,12 +37,6 @@ class RecordFormat(StrEnum):
     csv = "csv"
     csv_gz = "csv.gz"
     parquet = "parquet"
-
-
-OF_NO_DRIVE = ("amplitudes", "frequencies", "cycles", "ramp_cycles", "distortion", "riding", "riding_order")
-"""Options that make a motion, where no drive signal states it."""
-OF_NO_PLAN = ("amplitudes", "frequencies", "temperatures", "repeats", "cycles", "ramp_cycles", "drive")
-"""Options that say which runs there are, where no plan does."""
 
 
 @app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
@@ -102,19 +93,19 @@ def rig(
 ) -> None:
     """A virtual campaign of a law: would this test plan see that effect?"""
     from pipeclamp.show.effects import truth_table
-    from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, read_drive
-    from pipeclamp_identification.campaign.rig.plan import TestPlan, driven, planned
-    from pipeclamp_identification.campaign.rig.runs import virtual_runs
-    from pipeclamp_identification.campaign.rig.truth import beyond_range, truth_of
-    from pipeclamp_identification.campaign.writing import write_campaign
-    from pipeclamp_identification.planning.schedule import read_plan
+    from pipeclamp_identification.campaign.rig.plan import TestPlan
     from pipeclamp_identification.workflow.next_command import after_import
+    from pipeclamp_identification.workflow.virtual_campaign import (
+        OF_NO_DRIVE,
+        OF_NO_PLAN,
+        make_virtual_campaign,
+        refuse_stated_twice,
+    )
     from pipeclamp_models.law.declaration_files import read_effects
 
-    _refuse_beside(context, "--plan", plan, OF_NO_PLAN, "runs")
-    _refuse_beside(context, "--drive", drive, OF_NO_DRIVE, "motion")
+    stated = [name for name in {*OF_NO_DRIVE, *OF_NO_PLAN} if is_stated(context, name)]
+    refuse_stated_twice(stated, drive, plan, lambda name: f"--{name.replace('_', '-')}")
     with showing_progress("rig") as tell:
-        runs_of = read_plan(plan) if plan else ()
         asked = TestPlan(
             amplitudes=numbers_in(amplitudes, "--amplitudes"),
             frequencies=numbers_in(frequencies, "--frequencies"),
@@ -141,29 +132,19 @@ def rig(
             repeats=repeats,
             seed=seed,
         )
-        if drive:
-            asked = driven(asked, read_drive(drive))
-        if runs_of:
-            asked = planned(replace(asked, cycles=FULL_CYCLES, ramp_cycles=RAMP_CYCLES), runs_of)
         ids, declarations = read_effects(names_in(effects), declared or ())
-        file = opened_law(law)
-        truth = truth_of(file, ids, values_in(set_values, "--set"), asked, declarations)
-        runs = virtual_runs(truth.law, asked, truth.conditions)
-        notes = f"Virtual rig: {command_called()}"
-        count = write_campaign(output, runs, name=output.name, notes=notes, format=format.value, progress=tell)
-    for words in beyond_range(file, asked):
+        made = make_virtual_campaign(
+            opened_law(law), output, asked, notes=f"Virtual rig: {command_called()}", effects=ids,
+            declared=declarations, values=values_in(set_values, "--set"), drive=drive, plan=plan, format=format.value,
+            progress=tell,
+        )  # fmt: skip
+    for words in made.beyond:
         warn(f"beyond the law's data: {words}")
-    if truth.whence:
-        print_table(truth_table(truth))
-    put(f"{output}: {counted(count, 'run')}")
+    if made.truth.whence:
+        print_table(truth_table(made.truth))
+    put(f"{output}: {counted(made.count, 'run')}")
     if drive is None:  # what a drive signal gives is one test more, for tests that aren't named here
         print_next(after_import(str(output)))
-
-
-def _refuse_beside(context: typer.Context, option: str, given: Path | None, others: Sequence[str], what: str) -> None:
-    """Refuse options that state what a file, which is given, states already."""
-    if given and (stated := [f"--{name.replace('_', '-')}" for name in others if is_stated(context, name)]):
-        raise UsageError(f"{option}: got {', '.join(stated)} as well; expected the {what} from {given} alone")
 
 
 @app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")
@@ -174,19 +155,17 @@ def join(
     format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
 ) -> None:
     """Several campaigns of one clamp in one: the tests so far and the next one."""
-    from pipeclamp_identification.campaign.bundled import campaign_folder
-    from pipeclamp_identification.campaign.reading import read_campaign
-    from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
+    from pipeclamp_identification.campaign.reading import Campaign
+    from pipeclamp_identification.workflow.joining import join_campaigns
     from pipeclamp_identification.workflow.next_command import after_import
 
-    with showing_progress("join") as tell:
-        tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
-        for entry in (entry for one in tests for entry in one.left_out):
+    def tell_left_out(one: Campaign) -> None:
+        for entry in one.left_out:
             warn(str(entry))
-        notes = f"Joined of {', '.join(one.name for one in tests)}"
-        count = write_campaign(
-            output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell,
-            time_measured=all(one.time_measured for one in tests),
+
+    with showing_progress("join") as tell:
+        count = join_campaigns(
+            campaigns, output, strict=strict, format=format.value, read=tell_left_out, progress=tell
         )  # fmt: skip
     put(f"{output}: {counted(count, 'run')}")
     print_next(after_import(str(output)))

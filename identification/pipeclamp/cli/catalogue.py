@@ -26,28 +26,20 @@ def effects(
 ) -> None:
     """The catalogue: every effect, what it does and what imitates it; or one effect whole."""
     from pipeclamp.show import effects as shown
-    from pipeclamp_models.law.catalogue import find_effect, listed, showable
-    from pipeclamp_models.law.declaration_files import read_effects
-    from pipeclamp_models.law.declared import effect_of
-    from pipeclamp_models.realise.catalogue_answer import TYPICAL_LAW, catalogue_answer, reference_sizes
+    from pipeclamp_models.realise.catalogue_answer import TYPICAL_LAW, asked_effects, catalogue_answer
 
     spare(*(declared or ()), outputs=(json,))
-    names, declarations = read_effects([effect] if effect else [], declared or ())
-    own = {declaration.id: effect_of(declaration) for declaration in declarations}
-    if not names:
-        catalogue = [*listed(), *own.values()]
-        if json:
-            write_whole(json, catalogue_answer(catalogue).json_text())
-        print_table(shown.overview(catalogue), TERMINAL_WIDTH)
+    asked = asked_effects(effect or None, declared or ())
+    if json:
+        write_whole(json, catalogue_answer(asked).json_text())
+    if not effect:
+        print_table(shown.overview(asked), TERMINAL_WIDTH)
         put("One whole, with its equation, units, sizes and source: pipeclamp effects EFFECT")
         return
-    one = find_effect(showable(names[0]), own)
-    if json:
-        write_whole(json, catalogue_answer([one]).json_text())
-    for line in (shown.headline(one), shown.PART_WORDS[one.part], "", "Equation", *shown.equation_words(one), ""):
+    one = asked[0]
+    for line in shown.equation_lines(one):
         put(line)
-    symbols = shown.symbol_table(one)
-    for table in (shown.parameter_table(one, reference_sizes([one])), *([symbols] if symbols.rows else [])):
+    for table in shown.tables_of(one):
         print_table(table, TERMINAL_WIDTH)
     put(f"Bounds and typical sizes are those for the bundled clamp {TYPICAL_LAW}.")
     for line in shown.about_lines(one):

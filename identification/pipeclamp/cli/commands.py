@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
 from pipeclamp.cli.terminal import line_called
+from pipeclamp_models.base.shell import shell_line
 
 WHOLE_SENTENCE = 1000
 """More characters than what any command says of itself has."""
@@ -69,6 +71,25 @@ def _say_the_line(error: Any, parameters: Sequence[Any]) -> None:
         error.message = f"{error.message}; files are written by {', '.join(files)}" if files else error.message
 
 
+def _say_join(error: Any) -> None:
+    """Where several campaigns were given to a command that takes one, say which command makes one of them."""
+    if error.ctx is None or not error.message.startswith("Got unexpected extra argument"):
+        return
+    given, over, _ = error.ctx.command.make_parser(error.ctx).parse_args(sys.argv[2:])
+    campaigns = [given.get("campaign"), *over]
+    if all(map(_is_campaign, campaigns)):
+        line = shell_line("join", *campaigns, "-o", "all_tests")
+        error.message = f"{error.message}; of several campaigns one is made by: {line}"
+
+
+def _is_campaign(word: object) -> bool:
+    """Tell whether a word names a campaign."""
+    # For a mistake alone: it loads what reads campaigns.
+    from pipeclamp_identification.campaign.bundled import bundled_campaigns
+
+    return isinstance(word, str) and ((Path(word) / "runs.csv").is_file() or word in bundled_campaigns())
+
+
 class Commands(TyperGroup):
     """The commands, each with its whole sentence in the program's help: wrapped, not cut."""
 
@@ -78,6 +99,7 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except _usage_error as error:
             _say_what_was_got(error)
+            _say_join(error)
             _say_the_line(error, self.commands[ctx.invoked_subcommand].params if ctx.invoked_subcommand else ())
             raise
 

@@ -44,14 +44,12 @@ def discover(
     from pipeclamp_identification.discovery.proposal import toml_of
     from pipeclamp_identification.workflow import discover as workflow
     from pipeclamp_identification.workflow.next_command import after_discovery
-    from pipeclamp_models.base.errors import UsageError
-    from pipeclamp_models.base.files import write_whole
+    from pipeclamp_models.base.files import refuse_ending, write_whole
     from pipeclamp_models.base.processes import Workers
     from pipeclamp_models.law.declaration_files import SUFFIX, read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
 
-    if output.suffix != SUFFIX:
-        raise UsageError(f"{output}: a declaration is a TOML file; expected a name that ends in {SUFFIX}")
+    refuse_ending(output, SUFFIX, "a declaration")
     spare(campaign, *(declared or ()), outputs=(output, json, report, auto))
     spare(law, outputs=(output, json, report))
     with showing_progress("discover") as tell:

@@ -258,7 +258,7 @@ def diagnose(
     """Which physical effect does the law lack? Or which test would tell?"""
     from pipeclamp.cli.ladder import climbed
     from pipeclamp.show.diagnosis_views import diagnosis_view
-    from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
+    from pipeclamp_identification.campaign.drive import refuse_drive_name, write_drive
     from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
     from pipeclamp_models.law.declaration_files import read_declaration, read_effects
@@ -297,7 +297,7 @@ def diagnose(
         title, about = f"Diagnosis of {file.name}", f"against {tests.name}"
         write_report(report, title, about, diagnosis_page(file, found, following, ladder), command_called())
     if drive and found.proposal:
-        write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
+        write_drive(found.proposal.plan.signal(), drive)
     if auto:
         write_whole(auto, law_text(file))
     for line in rungs:

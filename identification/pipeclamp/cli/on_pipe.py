@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from pipeclamp.cli.terminal import command_called, show, showing_progress
@@ -13,26 +12,15 @@ def compare_on_pipe(
 ) -> None:
     """Hold a pipe with its clamps against what was measured on it, and say which parameter may be wrong."""
     from pipeclamp.show.on_pipe import attributed_view
-    from pipeclamp_identification.attribution.attributed import attributed
-    from pipeclamp_identification.attribution.compared import compare_measured
-    from pipeclamp_identification.on_pipe.bands import pipe_bands, refuse_bands
-    from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
+    from pipeclamp_identification.workflow.systems.held import hold_on_pipe
+    from pipeclamp_identification.workflow.systems.next_on_pipe import after_pipe_comparison
 
     with showing_progress("compare") as tell:
-        if bands is not None:
-            refuse_bands(system, measured, bands)
-        tell(f"hold {system} against {measured}")
-        held = compare_measured(system, measured)
-        found = attributed(held, tell)
-        if bands is not None and held.sines:
-            tell("bands")
-            found = replace(found, bands=pipe_bands(system, held.sines, bands))
+        found = hold_on_pipe(system, measured, bands, tell)
     following = after_pipe_comparison(found, str(system), str(measured), reported=report is not None)
     if report:
         from pipeclamp.pages.page import write_report
-        from pipeclamp.pages.system.on_pipe import attributed_sections
+        from pipeclamp.pages.system.on_pipe import attributed_page
 
-        title = f"{held.system.name} against {held.description.name}"
-        about = held.description.notes or "pipe and clamps"
-        write_report(report, title, about, attributed_sections(found, following), command_called())
+        write_report(report, *attributed_page(found, following), command_called())
     show(attributed_view(found, following), json)

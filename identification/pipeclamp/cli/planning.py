@@ -113,11 +113,10 @@ def _next_test(
 ) -> None:  # fmt: skip
     """Say which loop test narrows the band of a pipe's peak most."""
     from pipeclamp.show.narrowing import band_plan_view
-    from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
+    from pipeclamp_identification.campaign.drive import refuse_drive_name, write_drive
     from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.planning.narrowing import plan_tests
-    from pipeclamp_identification.workflow.next_in_system import after_band_plan
-    from pipeclamp_models.base.files import write_whole
+    from pipeclamp_identification.workflow.systems.next_in_system import after_band_plan
 
     spare(system, outputs=(drive, json, report))
     if drive:
@@ -132,6 +131,6 @@ def _next_test(
 
         write_report(report, *band_plan_page(found, following), command_called())
     if drive and found.tests:
-        write_whole(drive, drive_content(found.tests[0].plan.signal(), drive))
+        write_drive(found.tests[0].plan.signal(), drive)
     show(band_plan_view(found, drive), json)
     say([following.words()])

@@ -29,8 +29,8 @@ from pipeclamp.cli.terminal import (
     spare,
 )
 from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.files import FMU, SSP, refuse_ending
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_system.description.trust_mark import doubt
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from pipeclamp_system.bands.response_bands import ResponseBands
 
 app = typer.Typer()
+
 
 Source = TypeVar("Source")
 
@@ -136,6 +137,7 @@ def build_fmu(
             raise typer.BadParameter("it is for --kind native: a Python FMU has no model exchange", param_hint=option)
     kind = FmuKind.native if no_events or memory_as_states else kind
     spare(law, outputs=(output,))
+    refuse_ending(output, FMU, "an FMU")
     with showing_progress("build-fmu"):
         file = opened_law(law)
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
@@ -161,6 +163,8 @@ def set_parameters(
     from pipeclamp_identification.workflow.next_built import after_clamp_fmu
 
     spare(law, outputs=(output,))
+    if output:
+        refuse_ending(output, FMU, "an FMU")
     with showing_progress("set-parameters"):
         file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
@@ -183,6 +187,7 @@ def build_pipe(
     from pipeclamp_models.pipe.modes import reduce
 
     spare(pipe, outputs=(output,))
+    refuse_ending(output, FMU, "an FMU")
     with showing_progress("build-pipe"):
         reduced = reduce(read_pipe(pipe))
         made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
@@ -200,30 +205,23 @@ def cosim(
     bands: BandsOption = None,
 ) -> None:
     """Couple a pipe FMU with clamp FMUs and run them."""
-    from pipeclamp.pages.system.cosim import cosim_sections
-    from pipeclamp_identification.workflow.next_in_system import after_cosim
+    from pipeclamp.pages.system.cosim import cosim_page
+    from pipeclamp_identification.workflow.systems.computed import co_simulate
+    from pipeclamp_identification.workflow.systems.next_in_system import after_cosim
     from pipeclamp_system.cosim.result import write_result
-    from pipeclamp_system.cosim.run import run_system
 
     spare(system, outputs=(output, report))
     with showing_progress("cosim") as tell:
-        banded = None
-        if bands is not None:
-            from pipeclamp_system.bands.ensemble import refuse, run_bands
-
-            refuse(system, bands)
-        result = run_system(system, lambda share: tell(f"{share:.0%}"))
-        if bands is not None:
-            banded = run_bands(system, result, bands, tell)
-            result = banded.result
+        found = co_simulate(system, bands, tell)
+        result, banded = found.result, found.bands
         following = after_cosim(result, system, str(output), report, bands)
-        sections = cosim_sections(result, banded, following)
+        page = cosim_page(result, system.name, banded, following)
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Co-simulation: {result.name}", system.name, sections, command_called())
+        write_report(report, *page, command_called())
     write_result(result, output)
-    _say_all(sections[0], banded, output, following)
+    _say_all(page.sections[0], banded, output, following)
 
 
 @app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
@@ -235,29 +233,23 @@ def response(
     limit: LimitOption = None,
 ) -> None:
     """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
-    from pipeclamp.pages.system.response import response_sections
-    from pipeclamp_identification.workflow.next_in_system import after_response
-    from pipeclamp_system.steady.response import run_response, write_response
+    from pipeclamp.pages.system.response import response_page
+    from pipeclamp_identification.workflow.systems.computed import respond
+    from pipeclamp_identification.workflow.systems.next_in_system import after_response
+    from pipeclamp_system.steady.response import write_response
 
     spare(system, outputs=(output, report))
-    limits = _limits(limit, bands)
     with showing_progress("response") as tell:
-        banded = None
-        if bands is not None:
-            from pipeclamp_system.bands.response import refuse, response_bands
-
-            refuse(system, bands, limits)
-        found = run_response(system, tell)
-        if bands is not None:
-            banded = response_bands(system, found, bands, limits, tell)
+        responded = respond(system, bands, _limits(limit), tell)
+        found, banded = responded.found, responded.bands
         following = after_response(found, system, str(output), report, bands)
-        sections = response_sections(found, banded, following)
+        page = response_page(found, system.name, banded, following)
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Frequency response: {found.name}", system.name, sections, command_called())
+        write_report(report, *page, command_called())
     write_response(found, output, banded.columns() if banded else None)
-    _say_all(sections[0], banded, output, following)
+    _say_all(page.sections[0], banded, output, following)
 
 
 def _say_all(answer: Section, banded: RunBands | ResponseBands | None, output: Path, following: NextStep) -> None:
@@ -266,10 +258,8 @@ def _say_all(answer: Section, banded: RunBands | ResponseBands | None, output: P
     say([*lines, *(banded.words() if banded else ()), str(output), following.words()])
 
 
-def _limits(texts: list[str] | None, bands: float | None) -> dict[str, float]:
+def _limits(texts: list[str] | None) -> dict[str, float]:
     """Read what clamps and probes may move, mm, by name."""
-    if texts and bands is None:
-        raise UsageError("--limit: how likely it is exceeded is told with --bands alone; expected --bands 95 beside it")
     limits = {}
     for text in texts or ():
         name, _, value = text.partition("=")
@@ -277,8 +267,6 @@ def _limits(texts: list[str] | None, bands: float | None) -> dict[str, float]:
             limits[name.strip()] = float(value)
         except ValueError:
             raise UsageError(f"--limit: got {text!r}; expected a clamp or probe and mm, such as clamp1=0.8") from None
-        if not 0 < limits[name.strip()] < math.inf:
-            raise UsageError(f"--limit: got {text!r}; expected a displacement above 0 mm")
     return limits
 
 
@@ -292,24 +280,18 @@ def system_structure(
     ] = None,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
+    from pipeclamp.show.packaged import parallel_words
     from pipeclamp_identification.workflow.next_built import after_packaging
     from pipeclamp_system.cosim.building import NATIVE, PYTHON
     from pipeclamp_system.cosim.ssp import write_system
 
     spare(system, outputs=(output,))
+    refuse_ending(output, SSP, "an SSP")
     with showing_progress("system") as tell:
         made = kind or _kind_here()
         found = write_system(system, output, PYTHON if made is FmuKind.python else NATIVE, tell)
     put(f"{output}: SSP 1.0, {made.value}")
-    if found.step is None:
-        masters = f"masters that couple in parallel, as most do, in no step down to {found.tried:.3g} s"
-        say([doubt(f"{masters}; use a master that iterates, or pipeclamp cosim")])
-    else:
-        how = "" if found.step == found.tried else f"; foretold from {found.tried!r} s"
-        put(
-            f"most masters couple in parallel: give them steps of {found.step!r} s or less{how}, in which the "
-            f"displacement errs by {found.error:.1%}; libcosim reads the step from the SSP",
-        )
+    say([parallel_words(found)])
     print_next(after_packaging(str(system)))
 
 
@@ -332,8 +314,8 @@ def sweep(
         TimeRemainingColumn,
     )
 
-    from pipeclamp.pages.system.study import study_sections
-    from pipeclamp_identification.workflow.next_in_system import after_sweep
+    from pipeclamp.pages.system.study import study_page
+    from pipeclamp_identification.workflow.systems.next_in_system import after_sweep
     from pipeclamp_system.study.description import read_study
     from pipeclamp_system.study.run import run_study
 
@@ -347,12 +329,12 @@ def sweep(
             lambda: errors().print("the cases that run are finished first; Ctrl-C again ends at once", highlight=False),
         )  # fmt: skip
     following = after_sweep(read, frame, study, str(output), report)
-    sections = study_sections(read, frame, following)
+    page = study_page(read, frame, following)
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Study: {read.description.name}", read.description.notes, sections, command_called())
-    _say_all(sections[0], None, output, following)
+        write_report(report, *page, command_called())
+    _say_all(page.sections[0], None, output, following)
 
 
 def _kind_here() -> FmuKind:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import LOG_AXIS, MODEL, SERIES, Report, Section, styled
+from pipeclamp.pages.page import MODEL, SERIES, Report, Section, log_axis, styled
 from pipeclamp.show.campaign_plan import campaign_plan_words, effects_table, stages_table
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.telling import NAMED
@@ -57,7 +57,8 @@ def hours_picture(plan: CampaignPlan) -> go.Figure:
             marker={"size": 13, "color": MODEL, "symbol": "diamond"},
         )  # fmt: skip
     figure.update_xaxes(title_text="rig hours")
-    figure.update_yaxes(title_text=f"names {NAMED:.0%} of effects above / N", **LOG_AXIS)
+    newtons = [plan.power.from_newtons, *(one.newtons for one in plan.tried)]
+    figure.update_yaxes(title_text=f"names {NAMED:.0%} of effects above / N", **log_axis(newtons))
     return styled(figure, "Plans that were looked at")
 
 
@@ -79,7 +80,7 @@ def effects_picture(plan: CampaignPlan) -> go.Figure:
         x=newtons, y=100 * chances.mean(axis=1), mode="lines", name="all of them", showlegend=False,
         line={"color": MODEL, "width": 3}, hovertemplate="all: %{x:.3g} N, %{y:.0f}%<extra></extra>",
     )  # fmt: skip
-    figure.update_xaxes(title_text="rms force of the effect / N", **LOG_AXIS)
+    figure.update_xaxes(title_text="rms force of the effect / N", **log_axis(newtons))
     figure.update_yaxes(title_text="named / %", range=[0, 103])
     return styled(figure, "Chance that an effect is named")
 
@@ -103,5 +104,5 @@ def order_picture(plan: CampaignPlan) -> go.Figure:
             x=middle, y=1.02, yref="paper", yanchor="bottom", showarrow=False, text=f"{own[0].temperature_C:g} °C"
         )
     figure.update_xaxes(title_text="rig hours")
-    figure.update_yaxes(title_text="f / Hz", **LOG_AXIS)
+    figure.update_yaxes(title_text="f / Hz", **log_axis(run.frequency_Hz for run in plan.runs))
     return styled(figure, "Order of the runs").update_layout(margin={"t": 80})

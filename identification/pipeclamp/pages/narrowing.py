@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import GRID, INK, LOG_AXIS, MODEL, SERIES, Report, Section, styled
+from pipeclamp.pages.page import GRID, INK, MODEL, SERIES, Report, Section, log_axis, styled
 from pipeclamp.show.narrowing import band_plan_words, tests_table
 from pipeclamp_identification.planning.band_plan import BandPlan, Map, NextLoopTest
 from pipeclamp_identification.workflow.next_step import NextStep
@@ -83,6 +83,6 @@ def map_picture(one: Map, tests: tuple[NextLoopTest, ...]) -> go.Figure:
                 x=[x for x, _ in marks], y=[y for _, y in marks], mode="markers", name=name,
                 marker={"symbol": symbol, "size": 12, "color": MODEL, "line": {"color": "white", "width": 1.5}},
             )  # fmt: skip
-    figure.update_xaxes(title_text="f / Hz", **LOG_AXIS)
-    figure.update_yaxes(title_text="A / mm", **LOG_AXIS)
+    figure.update_xaxes(title_text="f / Hz", **log_axis(f))
+    figure.update_yaxes(title_text="A / mm", **log_axis(A))
     return styled(figure, f"Tests of the clamp of {one.law}", height=460)

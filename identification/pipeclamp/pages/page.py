@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import datetime
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
@@ -70,14 +71,27 @@ class Section:
     formulas: Sequence[Statement] = ()
 
 
-TICKS = [digit * 10.0**power for power in range(-6, 9) for digit in (1, 2, 5)]
-LOG_AXIS: dict[str, Any] = {
-    "type": "log",
-    "tickmode": "array",
-    "tickvals": TICKS,
-    "ticktext": [f"{one:g}" for one in TICKS],
-}
-"""An axis in decades, whose ticks show whole numbers: Plotly writes a 2 for 0.2, 2 and 20."""
+DIGITS = ((1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 8), (1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6, 7, 8, 9))
+"""With which the labels of a logarithmic axis begin: of a wide one, of narrower ones."""
+FEWEST_LABELS = 4
+"""That should stand on it."""
+
+
+def log_ticks(values: Iterable[float]) -> list[float]:
+    """Give labels for a logarithmic axis that shows these values: all powers, so that it may be moved, too."""
+    known = [value for value in values if math.isfinite(value) and value > 0]
+    low, high = (min(known), max(known)) if known else (1.0, 1.0)
+    for digits in DIGITS:
+        ticks = [float(f"{digit}e{power}") for power in range(-6, 9) for digit in digits]
+        if sum(low <= tick <= high for tick in ticks) >= FEWEST_LABELS:
+            break
+    return ticks
+
+
+def log_axis(values: Iterable[float]) -> dict[str, Any]:
+    """Give a logarithmic axis that shows these values, with whole numbers: Plotly writes a 2 for 0.2, 2 and 20."""
+    ticks = log_ticks(values)
+    return {"type": "log", "tickmode": "array", "tickvals": ticks, "ticktext": [f"{one:g}" for one in ticks]}
 
 
 def styled(figure: go.Figure, title: str, height: int = 420, least_width: int = 0) -> go.Figure:

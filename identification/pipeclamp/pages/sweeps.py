@@ -11,7 +11,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from pipeclamp.pages.page import LOG_AXIS, SERIES, TICKS, Section, styled, with_narrow
+from pipeclamp.pages.page import SERIES, Section, log_axis, log_ticks, styled, with_narrow
 from pipeclamp.pages.pictures import shade
 from pipeclamp.show.metrics import STORED_AND_LOST, axis_of_quantity, setting, stored_and_lost
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
@@ -186,7 +186,7 @@ class _Coloured:
         low, high = _span(self.values)
         bar: dict[str, Any] = {"title": {"text": axis_of_quantity(self.quantity)}, "thickness": 12}
         if self.in_decades:
-            ticks = [tick for tick in TICKS if low <= math.log10(tick) <= high]
+            ticks = [tick for tick in log_ticks((10**low, 10**high)) if low <= math.log10(tick) <= high]
             bar |= {"tickvals": [math.log10(tick) for tick in ticks], "ticktext": [f"{tick:g}" for tick in ticks]}
         return {"colorscale": SCALE, "colorbar": bar, "cmin": low, "cmax": high}
 
@@ -221,7 +221,7 @@ def _decades(values: Array) -> dict[str, Any]:
     """Give an axis in decades."""
     low, high = _span(values)
     if math.log10(high / low) <= MOST_FINE_DECADES:
-        return dict(LOG_AXIS)
+        return log_axis((low, high))
     ticks = [10.0**power for power in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)]
     return {"type": "log", "tickmode": "array", "tickvals": ticks, "ticktext": [f"{one:g}" for one in ticks]}
 

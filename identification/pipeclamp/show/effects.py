@@ -12,6 +12,7 @@ from pipeclamp_identification.signals.digits import plain
 from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.outline import Sizes
+from pipeclamp_models.realise.catalogue_answer import reference_sizes
 from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
 from pipeclamp_models.realise.sizes import number_of
 
@@ -90,6 +91,17 @@ def about_lines(effect: Effect) -> list[str]:
 def headline(effect: Effect) -> str:
     """Give an effect's name, what it does and where it belongs."""
     return f"{effect.name}: {effect.does}"
+
+
+def equation_lines(effect: Effect) -> list[str]:
+    """Give what stands before an effect's tables: what it does, where it belongs, its equations."""
+    return [headline(effect), PART_WORDS[effect.part], "", "Equation", *equation_words(effect), ""]
+
+
+def tables_of(effect: Effect) -> list[Table]:
+    """Give an effect's tables: its parameters, for the loops of the reference clamp, and what else it uses."""
+    symbols = symbol_table(effect)
+    return [parameter_table(effect, reference_sizes([effect])), *([symbols] if symbols.rows else [])]
 
 
 def truth_table(truth: Truth) -> Table:

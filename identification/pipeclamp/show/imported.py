@@ -11,7 +11,8 @@ from pipeclamp.show.metrics import STORED_AND_LOST, stored_and_lost
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
-from pipeclamp_identification.importing.answer import ImportAnswer, ImportedCampaign
+from pipeclamp_identification.importing.answer import ImportAnswer, ImportedCampaign, ImportedRunAnswer
+from pipeclamp_identification.importing.channels.naming import EACH_CYCLE, SEGMENT
 from pipeclamp_identification.importing.records.imported import ImportedRecords
 from pipeclamp_identification.importing.results.imported import ImportedResults
 from pipeclamp_identification.units.stated import Conversion
@@ -122,11 +123,8 @@ def import_lines(found: ImportedCampaign, answer: ImportAnswer, called: Sequence
         why = Counter(one.why for one in answer.cut)
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
-    if found.thing == "run" and answer.runs and all(run.amplitude_mm is None for run in answer.runs):
-        lines.append(
-            "no run is a sine, which alone a law is fitted to; of a program whose amplitude grows from cycle to cycle, "
-            "--columns segment=each-cycle makes each cycle a run; `pipeclamp compare` holds a law against free motions"
-        )
+    if found.thing == "run":
+        lines += _no_sine_words(answer)
     if called and _names_are_needed(answer):
         lines.append("the files' names look as if they state settings, the temperature too: the line below takes them")
     elif _names_tell_more(answer) and called:
@@ -144,6 +142,29 @@ def import_lines(found: ImportedCampaign, answer: ImportAnswer, called: Sequence
             f"no temperature is known of {some}: state it in runs.csv, or by --pattern or --conditions when importing"
         )
     return lines
+
+
+def _no_sine_words(answer: ImportAnswer) -> list[str]:
+    """Say where no run is a sine, of all files or of some, and what may make sines of them."""
+    of_file: dict[str, list[ImportedRunAnswer]] = {}
+    for run in answer.runs:
+        of_file.setdefault(run.file, []).append(run)
+    without = {file: own for file, own in of_file.items() if all(run.amplitude_mm is None for run in own)}
+    parted = [file for file, own in without.items() if len(own) > 1 and EACH_CYCLE not in _segments(answer, file)]
+    cycles = (
+        "of a program whose amplitude grows from cycle to cycle, or that was parted where it turns, --columns "
+        f"segment={EACH_CYCLE} makes each cycle a run"
+    )
+    if without and len(without) == len(of_file):
+        whole = any(EACH_CYCLE not in _segments(answer, file) for file in without)
+        says = ["no run is a sine, which alone a law is fitted to", *([cycles] if whole else [])]
+        return ["; ".join([*says, "`pipeclamp compare` holds a law against free motions"])]
+    return [f"no run of {few_of(parted, MOST_NAMED)} is a sine; {cycles}"] if parted else []
+
+
+def _segments(answer: ImportAnswer, file: str) -> str:
+    """Give the channel that parts a file into runs; empty where none does, or the file was there already."""
+    return answer.columns.get(file, {}).get(SEGMENT, "")
 
 
 def following_import(found: ImportedCampaign, answer: ImportAnswer, called: Sequence[str] = ()) -> str:

@@ -18,7 +18,7 @@ from pipeclamp_identification.campaign.records import read_channels
 from pipeclamp_identification.campaign.writing import encoded
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError, UserError
-from pipeclamp_models.base.files import read_content
+from pipeclamp_models.base.files import read_content, write_whole
 from pipeclamp_models.base.tables import pl
 
 DRIVE_COLUMNS: tuple[RecordColumn, ...] = ("time_s", "displacement_mm")
@@ -202,6 +202,17 @@ def refuse_drive_name(path: Path) -> None:
     """
     if path.suffix.lower() not in FORMATS:
         raise UsageError(f"--drive: got {path.name!r}; expected a name that ends in {' or '.join(FORMATS)}")
+
+
+def write_drive(drive: Drive, path: Path) -> None:
+    """Write a drive signal, whole or not at all.
+
+    Raises:
+        UsageError: the file's suffix says no format of drive signals.
+        UserError: it can't be written there.
+    """
+    refuse_drive_name(path)
+    write_whole(path, drive_content(drive, path))
 
 
 def drive_content(drive: Drive, path: Path) -> bytes:

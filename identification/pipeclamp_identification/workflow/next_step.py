@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,10 @@ class NextStep:
 
     line: str
     first: str = ""
+
+    def once(self, first: str) -> NextStep:
+        """Give it with something that has to be done before all else, in words."""
+        return replace(self, first=f"{first}, {self.first}" if self.first else first)
 
     def words(self) -> str:
         """Say it."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.owned import owned_folder
 
 FILE_KINDS = {
@@ -24,6 +24,8 @@ FILE_KINDS = {
 """What may stand where a file is expected; opening some of them waits for ever."""
 WINDOWS_DEVICES = r"con|prn|aux|nul|com\d|lpt\d"
 """Names that are devices on Windows, whatever ends they have; in any case."""
+FMU, SSP = ".fmu", ".ssp"
+"""How names end by which tools know what they hold."""
 WAITS_s = (0.02, 0.05, 0.1, 0.2, 0.4)
 """Waited before a file that can't be replaced is tried again."""
 
@@ -97,6 +99,23 @@ def refuse_file(path: Path) -> None:
     if path.is_dir():
         raise UserError(f"{path}: is a folder; expected the name of a file to write")
     refuse_parent(path)
+
+
+def refuse_ending(path: Path, ending: str, what: str) -> None:
+    """Refuse a name to write by which tools don't know what it holds.
+
+    Args:
+        path: of the file to write.
+        ending: that it needs, such as ".fmu", in any case.
+        what: it holds.
+
+    Raises:
+        UsageError: it ends otherwise.
+    """
+    if path.suffix.casefold() != ending:
+        raise UsageError(
+            f"{path}: the name of {what} ends in {ending}, by which tools know it; expected {path.stem}{ending}, say"
+        )
 
 
 def refuse_folder(folder: Path) -> None:

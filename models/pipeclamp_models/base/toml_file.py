@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -90,6 +90,49 @@ def read_table(path: Path, model: type[Model], what: str = "a description") -> M
     return validated(read_toml(path, what), model, str(path))
 
 
+class Described(NamedTuple):
+    """A kind of description: the key that no other kind has, and what is expected where another stands."""
+
+    key: str
+    expected: str
+
+
+DESCRIBED = {
+    "pipe": Described("ends", "a pipe there, PIPE.toml, the file that a system's [pipe] names"),
+    "system": Described("run", "a system there, SYSTEM.toml, which names the pipe's file under [pipe]"),
+    "study": Described("vary", "a study there, STUDY.toml, which names the system's file and what is varied"),
+}
+"""Descriptions that stand side by side in a folder, and are taken for one another."""
+
+
+def read_described(path: Path, model: type[Model], kind: str) -> Model:
+    """Read a description; `kind` is one of DESCRIBED.
+
+    Raises:
+        UserError: the file is missing, is not TOML, describes something else, or doesn't hold what the table expects.
+    """
+    content = read_toml(path, f"the description of a {kind}")
+    others = [one for one, described in DESCRIBED.items() if one != kind and described.key in content]
+    if others and DESCRIBED[kind].key not in content:
+        raise UserError(f"{path}: describes a {others[0]}; expected {DESCRIBED[kind].expected}")
+    return validated(content, model, str(path))
+
+
+def refuse_described(path: Path, expected: str) -> None:
+    """Refuse the description of a pipe, a system or a study in the place of something else.
+
+    Raises:
+        UserError: the file holds one.
+    """
+    try:
+        content = read_toml(path)
+    except UserError:
+        return  # whoever reads it next says what is wrong
+    for kind, described in DESCRIBED.items():
+        if described.key in content:
+            raise UserError(f"{path}: describes a {kind}; expected {expected} there")
+
+
 def read_toml(path: Path, what: str = "a description") -> dict[str, Any]:
     """Read a TOML file; `what` it should be is named in errors.
 
@@ -152,10 +195,36 @@ def explained(error: ValidationError) -> str:
             place += f"[{part + 1}]"
         elif not part.startswith(VARIANT):
             place += f".{part}" if place else part
-    message = first["msg"].removeprefix("Value error, ")
-    got = "" if isinstance(first["input"], dict | list) else f", got {_short(repr(first['input']), 60)}"
+    place = _short(place, 80) or "the file as a whole"
     others = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
-    return f"{_short(place, 80) or 'the file as a whole'}: {_short(message, 200)}{got}{others}"
+    kind, given = first["type"], first["input"]
+    if kind in ("missing", "extra_forbidden"):
+        return f"{place}: {'is missing; expected it there' if kind == 'missing' else 'is no key that is known'}{others}"
+    if kind == "json_invalid":
+        return f"{place}: is no valid JSON: {first['ctx']['error']}"
+    is_nested = isinstance(given, dict | list)
+    got = f"got {_short(repr(given), 60)}"
+    if expected := EXPECTED.get(kind, "").format(**first.get("ctx", {})):
+        nested = "got a list" if isinstance(given, list) else "got a table"
+        return f"{place}: {nested if is_nested else got}; expected {expected}{others}"
+    message = _short(first["msg"].removeprefix("Value error, "), 200)
+    return f"{place}: {message}{'' if is_nested else f', {got}'}{others}"
+
+
+EXPECTED = {
+    "float_type": "a number", "float_parsing": "a number", "finite_number": "a finite number",
+    "int_type": "a whole number", "int_parsing": "a whole number", "int_from_float": "a whole number",
+    "string_type": "text", "bool_type": "true or false",
+    "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table",
+    "list_type": "a list", "tuple_type": "a list",
+    "literal_error": "{expected}",
+    "greater_than": "a number above {gt:g}", "greater_than_equal": "a number of at least {ge:g}",
+    "less_than": "a number below {lt:g}", "less_than_equal": "a number of at most {le:g}",
+    "too_short": "{min_length} entries at least", "too_long": "{max_length} entries at most",
+    "string_too_short": "{min_length} letters at least", "string_too_long": "{max_length} letters at most",
+    "string_pattern_mismatch": "letters, digits and _, a letter first ({pattern})",
+}  # fmt: skip
+"""What was expected, by the kind of a problem, with words of its own."""
 
 
 def _short(text: str, most: int) -> str:

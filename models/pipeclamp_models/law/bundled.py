@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.base.toml_file import refuse_described
 from pipeclamp_models.law.file import LawFile, parse_law, read_law
 
 
@@ -22,6 +23,8 @@ def open_law(name_or_path: str) -> LawFile:
         UserError: there is neither such a file nor such a bundled law, or the file isn't a law.
     """
     path = Path(name_or_path)
+    if path.suffix == ".toml":
+        refuse_described(path, "a law")
     if path.exists() or path.suffix:
         return read_law(path)
     names = bundled_laws()

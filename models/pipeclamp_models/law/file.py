@@ -403,7 +403,9 @@ def parse_law(text: str, where: str) -> LawFile:
         if first["type"] == "json_invalid" and "EOF" in first["msg"]:
             line = text.count("\n") + 1
             raise UserError(f"{where}: the JSON breaks off in line {line}; expected the whole file") from error
-        raise UserError(f"{where}: {explained(error)}; expected schema {SCHEMA}") from error
+        raise UserError(
+            f"{where}: {explained(error)}; correct it ({SCHEMA}), or fit the law anew: pipeclamp identify"
+        ) from error
     try:
         law_of(file)
     except UserError as error:

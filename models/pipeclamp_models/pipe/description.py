@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import (
     Celsius,
     NotNegative,
@@ -17,8 +16,7 @@ from pipeclamp_models.base.toml_file import (
     TomlTable,
     looked_up,
     parse_table,
-    read_toml,
-    validated,
+    read_described,
 )
 from pipeclamp_models.pipe.materials import find_fluid, find_material
 
@@ -278,10 +276,7 @@ def read_pipe(path: Path) -> PipeDescription:
     Raises:
         UserError: the file is missing, is not TOML, or describes no pipe; the message names the place.
     """
-    content = read_toml(path)
-    if "run" in content and "ends" not in content:
-        raise UserError(f"{path}: describes a system; expected a pipe there, the file that its [pipe] names")
-    return validated(content, PipeDescription, str(path))
+    return read_described(path, PipeDescription, "pipe")
 
 
 def parse_pipe(text: str, where: str = "pipe") -> PipeDescription:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from pydantic import Field
 
@@ -11,6 +12,9 @@ from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.catalogue import find_effect, listed, showable
+from pipeclamp_models.law.declaration_files import read_effects
+from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
 from pipeclamp_models.realise.sizes import file_sizes, number_of
@@ -68,6 +72,21 @@ class CatalogueAnswer(AnswerModel):
 
     typical_for: str = Field(description="the bundled law whose clamp's loops typical sizes are stated for")
     effects: tuple[EffectAnswer, ...]
+
+
+def asked_effects(name: str | None, declared: Iterable[Path]) -> list[Effect]:
+    """Give the effect that is asked for, or else all of the catalogue.
+
+    Args:
+        name: of the effect, or the path of its declaration.
+        declared: declarations of a user's own effects, which join the catalogue.
+
+    Raises:
+        UserError: there is no such effect, or a declaration can't serve.
+    """
+    names, declarations = read_effects([] if name is None else [name], declared)
+    own = {declaration.id: effect_of(declaration) for declaration in declarations}
+    return [find_effect(showable(names[0]), own)] if names else [*listed(), *own.values()]
 
 
 def catalogue_answer(effects: Sequence[Effect]) -> CatalogueAnswer:

@@ -51,8 +51,8 @@ def test_a_good_one_is_read():
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('id = "stop"', 'id = "A stop"', ["id", "pattern"]),
-        ('title = "A stop"', "", ["title", "required"]),
+        ('id = "stop"', 'id = "A stop"', ["id", "letters, digits and _"]),
+        ('title = "A stop"', "", ["title", "is missing"]),
         ('force = "', 'forse = "', ["forse", "did you mean 'force'"]),
         ("max(y - y_b, 0)", "max(y - yb, 0)", ["'stop', force, character 15", "did you mean 'y_b'"]),
         ("max(y - y_b, 0)", "max(y - y_b, 0", ["force, character", "never closed"]),
@@ -62,8 +62,8 @@ def test_a_good_one_is_read():
         ("y_b", "sin", ["is a word of expressions"]),
         ("y_b", "lambda", ["is reserved", "lambda0"]),
         ("y_b", "u_x", ["is reserved"]),
-        ("y_b", "_y", ["pattern"]),
-        ("y_b", "y_", ["pattern"]),
+        ("y_b", "_y", ["a letter first"]),
+        ("y_b", "y_", ["letters, digits and _"]),
         ("k_b", "y_b", ["'y_b' is used twice"]),
         ('"0.5 * A_highest"', '"0.5 * A_highst"', ["y_b, start, character 7", "did you mean 'A_highest'"]),
         ('"0.5 * A_highest"', "true", ["expected a number or an expression"]),

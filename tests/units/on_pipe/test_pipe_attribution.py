@@ -27,7 +27,7 @@ from pipeclamp_identification.attribution.suspects import suspects_of, with_moun
 from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
-from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
+from pipeclamp_identification.workflow.systems.next_on_pipe import after_pipe_comparison
 from pipeclamp_models.pipe.description import Excitation
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp

@@ -23,7 +23,7 @@ from pipeclamp_identification.attribution.verdict import attribute
 from pipeclamp_identification.on_pipe.answer import records_answer
 from pipeclamp_identification.on_pipe.records import RecordsComparison, compare_records
 from pipeclamp_identification.on_pipe.sines import compare_pipe
-from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
+from pipeclamp_identification.workflow.systems.next_on_pipe import after_pipe_comparison
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import Place, parse_pipe

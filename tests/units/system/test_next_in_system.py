@@ -14,7 +14,7 @@ from typer.main import get_command
 
 from pipeclamp.cli.app import app
 from pipeclamp_identification.workflow.next_built import after_packaging
-from pipeclamp_identification.workflow.next_in_system import after_cosim, after_response, after_sweep
+from pipeclamp_identification.workflow.systems.next_in_system import after_cosim, after_response, after_sweep
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_system.steady.states import FollowedResponse
 

@@ -22,6 +22,8 @@ FAINT = 0.18
 """Opacity of a band."""
 DENSE = 0.6
 """Of one that is narrow beside what it is of."""
+BAND_KEY = "#777777"
+"""Colour by which the legend names bands of any colour."""
 
 WORDS = (
     "A curve's band is drawn where most of the laws that are as likely have such a state. Shares are of the variance "
@@ -75,6 +77,12 @@ def add_area(
     )  # fmt: skip
     figure.add_trace(area, **place)
     figure.data = (figure.data[-1], *figure.data[:-1])
+
+
+def add_band_key(figure: go.Figure, name: str) -> None:
+    """Name faint bands in the legend, whatever the colours of their curves."""
+    look = {"symbol": "square", "size": 13, "color": BAND_KEY, "opacity": 2 * FAINT}
+    figure.add_scatter(x=[None], y=[None], mode="markers", name=name, marker=look)
 
 
 def shares_of(band: Band) -> list[str]:

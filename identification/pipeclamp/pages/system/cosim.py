@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import Section, doubted, styled
+from pipeclamp.pages.page import Report, Section, doubted, styled
 from pipeclamp.pages.pictures import curves_picture, thinned
 from pipeclamp.pages.system.bands import add_area, run_bands_section
 from pipeclamp.show.table import Table
@@ -22,6 +22,11 @@ from pipeclamp_system.cosim.summary import summary_of
 
 SYMBOLS = {"s": "y", "A_used": "A"}
 """Of the columns that are drawn, as the clamp's law has them."""
+
+
+def cosim_page(result: CosimResult, system: str, bands: RunBands | None, following: NextStep) -> Report:
+    """Give the page of a co-simulation of a system, by its file's name."""
+    return Report(f"Co-simulation: {result.name}", system, cosim_sections(result, bands, following))
 
 
 def cosim_sections(

@@ -7,8 +7,8 @@ from itertools import groupby
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import LOG_AXIS, SERIES, Section, styled
-from pipeclamp.pages.system.bands import add_band, bands_section
+from pipeclamp.pages.page import SERIES, Report, Section, log_axis, styled
+from pipeclamp.pages.system.bands import add_band, add_band_key, bands_section
 from pipeclamp.pages.system.cosim import answer_section
 from pipeclamp.show.table import Table
 from pipeclamp_identification.workflow.next_step import NextStep
@@ -31,6 +31,11 @@ IN_TIME = "found in time"
 TRUSTED_MARK = {"size": 7, "line": {"color": "white", "width": 1}}
 DOUBTFUL_MARK = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
+
+
+def response_page(response: FrequencyResponse, system: str, bands: ResponseBands | None, following: NextStep) -> Report:
+    """Give the page of the frequency response of a system, by its file's name."""
+    return Report(f"Frequency response: {response.name}", system, response_sections(response, bands, following))
 
 
 def response_sections(
@@ -81,9 +86,12 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
         _add_curve(figure, curve, point, colours[curve.temperature], 0.45 + 0.55 * curve.level / max(levels))
         _add_dots(figure, response, curve, point, colours[curve.temperature])
     _add_legend(figure, response, point, colours)
+    if bands:
+        add_band_key(figure, f"{bands.per_cent:g}% band")
     wide = max(levels) > WIDE * min(levels)
     figure.update_xaxes(title_text="f / Hz")
-    figure.update_yaxes(title_text="amplitude / mm", **(LOG_AXIS if wide else {}))
+    amplitudes = [amplitudes_of(state)[point] for curve in response.curves for state in curve.states]
+    figure.update_yaxes(title_text="amplitude / mm", **(log_axis(amplitudes) if wide else {}))
     return styled(figure, f"Displacement at {response.points[point]}", height=480)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import Section, doubted
+from pipeclamp.pages.page import Report, Section, doubted
 from pipeclamp.pages.pictures import cells_picture, curves_picture
 from pipeclamp.pages.system.bands import FAINT, add_area
 from pipeclamp.show.table import Table
@@ -24,6 +24,12 @@ UNIT_OF_ENDING = {
     "_GPa": "GPa", "_bar": "bar", "_mm": "mm", "_kg": "kg", "_Hz": "Hz", "_C": "°C", "_N": "N", "_m": "m",
 }  # fmt: skip
 """By the ends of a description's keys, longer ones first."""
+
+
+def study_page(study: Study, frame: pl.DataFrame, following: NextStep) -> Report:
+    """Give the page of a study."""
+    description = study.description
+    return Report(f"Study: {description.name}", description.notes, study_sections(study, frame, following))
 
 
 def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None = None) -> list[Section]:
