@@ -12,6 +12,7 @@ from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
 from pipeclamp_identification.importing.answer import ImportAnswer, ImportedCampaign
+from pipeclamp_identification.importing.channels.naming import EACH_CYCLE, SEGMENT
 from pipeclamp_identification.importing.records.imported import ImportedRecords
 from pipeclamp_identification.importing.results.imported import ImportedResults
 from pipeclamp_identification.units.stated import Conversion
@@ -123,9 +124,14 @@ def import_lines(found: ImportedCampaign, answer: ImportAnswer, called: Sequence
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
     if found.thing == "run" and answer.runs and all(run.amplitude_mm is None for run in answer.runs):
+        parted = any(EACH_CYCLE in columns.get(SEGMENT, "") for columns in answer.columns.values())
+        option = (
+            "of a program whose amplitude grows from cycle to cycle, --columns segment=each-cycle makes each cycle a "
+            "run; "
+        )
         lines.append(
-            "no run is a sine, which alone a law is fitted to; of a program whose amplitude grows from cycle to cycle, "
-            "--columns segment=each-cycle makes each cycle a run; `pipeclamp compare` holds a law against free motions"
+            f"no run is a sine, which alone a law is fitted to; {'' if parted else option}"
+            "`pipeclamp compare` holds a law against free motions"
         )
     if called and _names_are_needed(answer):
         lines.append("the files' names look as if they state settings, the temperature too: the line below takes them")
