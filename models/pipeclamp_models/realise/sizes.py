@@ -15,7 +15,7 @@ from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.force import force_of_law
-from pipeclamp_models.realise.motion import sinusoids
+from pipeclamp_models.realise.motion import Motion, sinusoids
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -26,18 +26,23 @@ CYCLES_OF_A_SERIES = 1000.0
 """Load cycles of a test series, where nothing says how many."""
 
 
-def data_sizes(slow: Mapping[str, Array], force_amplitude: Array) -> Sizes:
+def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
     """Give the sizes of R runs.
 
     Args:
-        slow: slow signals by name, shape (R, 1) or (R, n): A in mm, f in Hz, T in K, and further ones.
+        motion: of the runs.
         force_amplitude: N, shape (R,).
     """
+    slow = motion.slow
     A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
+    place = np.mean(motion.y, axis=1)
+    top, bottom = float(np.max(place + A)), float(np.min(place - A))
     return {
         "N_highest": max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
         "A_typical": float(np.median(A)),
         "A_highest": float(np.max(A)),
+        "y_middle": (top + bottom) / 2,
+        "y_reach": (top - bottom) / 2,
         "F_typical": float(np.median(force_amplitude)),
         "f_typical": float(np.median(f)),
         "f_lowest": float(np.min(f)),
@@ -74,7 +79,7 @@ def law_sizes(
     motion = sinusoids(A, f, T, SAMPLES_PER_CYCLE)
     added = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **added})
-    return data_sizes(motion.slow, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
+    return data_sizes(motion, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
 
 
 def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:
