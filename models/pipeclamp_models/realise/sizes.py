@@ -35,8 +35,7 @@ def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
     """
     slow = motion.slow
     A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
-    place = np.mean(motion.y, axis=1)
-    top, bottom = float(np.max(place + A)), float(np.min(place - A))
+    bottom, top = _ends(motion)
     return {
         "N_highest": max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
         "A_typical": float(np.median(A)),
@@ -56,6 +55,18 @@ def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
             if name.startswith(CONDITION) and np.all(np.isfinite(values))
         },
     }
+
+
+def about(motion: Motion) -> float:
+    """Give the displacement about which R runs move, mm; 0 where one of them passes zero, as drives about rest do."""
+    bottom, top = _ends(motion)
+    return 0.0 if bottom <= 0.0 <= top else (bottom + top) / 2
+
+
+def _ends(motion: Motion) -> tuple[float, float]:
+    """Give the displacements between which R runs move, mm."""
+    place, A = np.mean(motion.y, axis=1), motion.slow["A"][:, 0]
+    return float(np.min(place - A)), float(np.max(place + A))
 
 
 def law_sizes(

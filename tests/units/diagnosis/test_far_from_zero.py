@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
+from few_effects import few_effects
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.reading import read_campaign
@@ -12,6 +15,7 @@ from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_identification.fitting.observations import data_scales, loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 
+RIVALS = "asymmetry", "end_stop", "exponential_stiffening", "gas_spring", "unilateral_contact"
 AMPLITUDES = (1.0, 2.0, 3.0, 4.0, 5.0)
 
 
@@ -63,7 +67,8 @@ def test_an_effect_of_where_the_motion_is_fits_tests_about_85_mm(tmp_path, force
 def test_the_cause_of_tests_about_85_mm_is_named(tmp_path):
     """An `asymmetry` had been named, a part, "and no rival comes near"."""
     tests = moved_about(tmp_path / "c", 85.0, buffered)
-    answer = pc.diagnose(pc.identify(tests), tests)
+    with few_effects(*RIVALS):
+        answer = pc.diagnose(pc.identify(tests), tests)
     assert (answer.verdict, answer.effects) == ("missing", ("unilateral_contact",))
 
 
@@ -72,3 +77,23 @@ def test_tests_about_zero_have_the_sizes_of_their_largest_amplitude(tmp_path):
     sizes = data_scales(loop_observations(loops_of(read_campaign(tmp_path / "c"))))
     assert sizes["y_reach"] == pytest.approx(sizes["A_highest"], rel=1e-3)
     assert sizes["y_middle"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_law_of_tests_about_85_mm_is_told_where_they_moved(tmp_path):
+    """Its stiffness had been told at 0 mm, 15.000 ± 0.006 N/mm, where no test was."""
+    tests = moved_about(tmp_path / "c", 85.0, lambda y, v: 15 * y + 0.6 * v + 1e-4 * y**3)
+    law = pc.identify(tests)
+    assert law.file.data.about_mm == pytest.approx(85.0, rel=1e-3)
+    words = str(law)
+    assert "about 85 mm" in words
+    told = float(re.search(r"Hz\): ([\d.]+) ", words).group(1))
+    # damping makes the stored energy a little larger
+    assert told == pytest.approx(15 + 3e-4 * 85**2, rel=0.04)
+
+
+def test_the_next_test_is_sought_where_the_tests_moved(tmp_path):
+    tests = moved_about(tmp_path / "c", 85.0, stopped)
+    with few_effects(*RIVALS):
+        answer = pc.diagnose(pc.identify(tests), tests)
+    assert (answer.verdict, set(answer.effects)) == ("ambiguous", {"end_stop", "unilateral_contact"})
+    assert "mm about 85 mm, as the tests so far" in str(answer)
