@@ -9,6 +9,7 @@ import pytest
 from few_effects import few_effects
 
 import pipeclamp as pc
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
@@ -86,6 +87,7 @@ def test_a_law_of_tests_about_85_mm_is_told_where_they_moved(tmp_path):
     assert law.file.data.about_mm == pytest.approx(85.0, rel=1e-3)
     words = str(law)
     assert "about 85 mm" in words
+    assert any("Its tests moved about 85 mm" in note for note in clamp_model(law.file).notes)
     told = float(re.search(r"Hz\): ([\d.]+) ", words).group(1))
     # damping makes the stored energy a little larger
     assert told == pytest.approx(15 + 3e-4 * 85**2, rel=0.04)
