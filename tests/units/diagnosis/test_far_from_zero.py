@@ -99,3 +99,10 @@ def test_the_next_test_is_sought_where_the_tests_moved(tmp_path):
         answer = pc.diagnose(pc.identify(tests), tests)
     assert (answer.verdict, set(answer.effects)) == ("ambiguous", {"end_stop", "unilateral_contact"})
     assert "mm about 85 mm, as the tests so far" in str(answer)
+
+
+def test_where_the_error_sits_is_told_by_the_middle_of_the_motion(tmp_path):
+    """Of tests between 80 and 90 mm it had been said to sit "at negative displacement"."""
+    tests = moved_about(tmp_path / "c", 85.0, lambda y, v: 15 * y + 0.6 * v + 60 * np.maximum(82.0 - y, 0.0) ** 1.5)
+    words = str(pc.compare(pc.identify(tests), tests))
+    assert "below the middle of the motion" in words and "negative displacement" not in words
