@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -192,6 +193,11 @@ class _TestSearch:
         """Give a temperature in degC; none where that of the tests so far isn't known."""
         return None if "T" in self.diagnosis.problem.observations.motion.assumed else celsius_of(T)
 
+    def words_of(self, limits: Limits) -> str:
+        """Say within which limits is sought; not of what these tests don't know."""
+        known = limits if self.timed else limits.untimed
+        return limits_words(known if self.temperature(0.0) is not None else known.with_range("T", (-CELSIUS, math.inf)))
+
     def proposal(self, outlook: Outlook, row: int) -> Proposal:
         """Give one of the tests that were looked at."""
         A, f, T = (float(outlook.grid[name][row]) for name in ("A", "f", "T"))
@@ -241,12 +247,12 @@ def _why_none(search: _TestSearch, limits: Limits, outlooks: Sequence[Outlook]) 
         row = int(np.argmax(best.apart.max(axis=0)))
         proposal = search.proposal(best, row)
         why = (
-            f"no test within {limits_words(limits)} tells {rivals_words(search.names)} apart: by the best, "
+            f"no test within {search.words_of(limits)} tells {rivals_words(search.names)} apart: by the best, "
             f"{proposal.test_words()}, they differ by {float(best.apart.max()):.1f} standard deviations, and "
             f"{LEAST_DEVIATIONS:g} are needed"
         )
     else:
-        why = f"no motion keeps all of {limits_words(limits)}"
+        why = f"no motion keeps all of {search.words_of(limits)}"
     if not gives:
         return f"{why}; no single limit that gives way would help"
     return f"{why}; it would take {' or '.join(gives)}"
