@@ -106,3 +106,12 @@ def test_where_the_error_sits_is_told_by_the_middle_of_the_motion(tmp_path):
     tests = moved_about(tmp_path / "c", 85.0, lambda y, v: 15 * y + 0.6 * v + 60 * np.maximum(82.0 - y, 0.0) ** 1.5)
     words = str(pc.compare(pc.identify(tests), tests))
     assert "below the middle of the motion" in words and "negative displacement" not in words
+
+
+def test_a_load_beside_the_spring_is_named_in_tests_about_85_mm(tmp_path):
+    """The stiffness had carried it by exponents of the amplitude, and a load cell that gives 3 % less was suspected."""
+    tests = moved_about(tmp_path / "c", 85.0, lambda y, v: buffered(y, v) - 1050.0)
+    law = pc.identify(tests, effects=("unilateral_contact",))
+    with few_effects("offset", *RIVALS):
+        answer = pc.diagnose(law, tests)
+    assert (answer.verdict, answer.effects) == ("missing", ("offset",))
