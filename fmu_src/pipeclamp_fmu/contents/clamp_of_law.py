@@ -166,5 +166,5 @@ def _notes(file: LawFile) -> list[str]:
     if file.data.time_measured is False:
         notes.append("The time of its tests was not measured: of speed and frequency it says nothing.")
     if about := file.data.about_mm:
-        notes.append(f"Its tests moved about {about:.3g} mm, and y counts as theirs did: about 0 nothing was tested.")
+        notes.append(f"Its tests moved about {about:.3g} mm, and y counts as their displacement did.")
     return notes

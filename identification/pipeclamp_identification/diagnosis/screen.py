@@ -127,7 +127,7 @@ def _starts(
 def _beside_a_constant(
     structure: Structure, larger: Structure, name: str, problem: Problem, values: Mapping[str, float]
 ) -> Iterator[Mapping[str, float]]:
-    """Give where the law's stiffness may stand beside a constant force, where no test passes zero; nothing elsewhere.
+    """Give where the law's stiffness may stand beside a constant force, of tests that don't move about zero.
 
     Without one, the stiffness carries the mean force too, by exponents of the amplitude as well, and no one step leads
     from there to where it is by the loops alone.

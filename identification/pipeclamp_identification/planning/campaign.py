@@ -114,7 +114,7 @@ class CampaignPlan:
         power: what it names.
         stages: after each block of one temperature.
         tried: all plans that were looked at.
-        about_mm: displacement about which the law's tests moved, where none of them passed zero.
+        about_mm: displacement about which the law's tests moved, where that isn't about zero.
     """
 
     law: str

@@ -31,9 +31,11 @@ def power_of(depth: sp.Expr, power: sp.Expr) -> sp.Expr:
 
 HERTZ = 1.5
 """Exponent of round bodies; 1 of flat ones."""
-sides = (1, -1, 1, -1)
-places = (0.0, 0.0, 0.6, 0.6)
-"""Starts of which side, and of where from the middle of the tests, in units of how far they reach to either side."""
+away = sp.Min(sp.Abs(y_middle) / y_reach, 1)
+sides = (1, -1, 1, -1, 1, -1)
+places = (0, 0, 0.6, 0.6, -0.5 * away, -0.5 * away)
+"""Starts of which side, and of where from the middle of the tests, in units of how far they reach to either side: also
+within the half before it where that isn't zero, as in tests that load a part to one side."""
 
 EFFECT = Effect(
     id="unilateral_contact",

@@ -93,7 +93,7 @@ class DataSource(LawFilePart):
     """The data that the law was identified from; `warnings` say which of its units are likely wrong.
 
     Where `time_measured` is false, a cycle was taken for a second: the law says nothing of speeds and frequencies.
-    `about_mm` is the displacement about which the tests moved, where none of them passed zero.
+    `about_mm` is the displacement about which the tests moved, where that isn't about zero.
     """
 
     name: str

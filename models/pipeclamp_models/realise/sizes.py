@@ -24,6 +24,8 @@ SAMPLES_PER_CYCLE = 128
 """Samples of a cycle that tell the size of a law's force."""
 CYCLES_OF_A_SERIES = 1000.0
 """Load cycles of a test series, where nothing says how many."""
+ABOUT_ZERO = 0.25
+"""Share of the amplitude within which tests move about zero; those that load a part to one side move about 1."""
 
 
 def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
@@ -58,9 +60,10 @@ def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
 
 
 def about(motion: Motion) -> float:
-    """Give the displacement about which R runs move, mm; 0 where one of them passes zero, as drives about rest do."""
-    bottom, top = _ends(motion)
-    return 0.0 if bottom <= 0.0 <= top else (bottom + top) / 2
+    """Give the displacement about which R runs move, mm: that of the middle run; 0 where it is about zero."""
+    place, A = np.mean(motion.y, axis=1), motion.slow["A"][:, 0]
+    middle = float(np.sort(place)[(len(place) - 1) // 2])
+    return middle if abs(middle) > ABOUT_ZERO * float(np.median(A)) else 0.0
 
 
 def _ends(motion: Motion) -> tuple[float, float]:

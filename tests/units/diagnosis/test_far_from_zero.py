@@ -115,3 +115,10 @@ def test_a_load_beside_the_spring_is_named_in_tests_about_85_mm(tmp_path):
     with few_effects("offset", *RIVALS):
         answer = pc.diagnose(law, tests)
     assert (answer.verdict, answer.effects) == ("missing", ("offset",))
+
+
+def test_a_contact_within_the_first_half_of_a_one_sided_test_is_found(tmp_path):
+    """A linkage that grows taut at 6.6 mm of 25: a start from the middle of the way ended beside it, at 8.7 % error."""
+    tests = moved_about(tmp_path / "c", 5.1, lambda y, v: 2 * y + 0.3 * v + 20 * np.maximum(y - 2.6, 0.0))
+    law = pc.identify(tests, effects=("unilateral_contact",)).file
+    assert law.coefficients["y_h"].value == pytest.approx(2.6, rel=0.02)

@@ -112,7 +112,9 @@ def test_loading_and_unloading_once_without_a_time_are_a_cycle_of_one_second(tmp
     found = pc.import_files(up_and_back(tmp_path / "a.csv", 12), tmp_path / "c", rate="none")
     (run,) = found.to_dict()["runs"]
     assert (run["amplitude_mm"], run["frequency_Hz"]) == pytest.approx((1.0, 1.0), rel=1e-6)
-    assert pc.compare(pc.identify(found.tests()), found.tests()).nrmse < 0.05
+    law = pc.identify(found.tests())
+    assert pc.compare(law, found.tests()).nrmse < 0.05
+    assert law.file.data.about_mm == pytest.approx(1.0, rel=1e-3) and "about 1 mm" in str(law)
 
 
 def test_a_way_that_doesn_t_come_back_without_a_time_is_no_cycle(tmp_path):

@@ -63,7 +63,7 @@ class Proposal:
 
     Attributes:
         amplitude_mm, frequency_Hz, temperature_C: its conditions; no temperature where that of the tests isn't known.
-        about_mm: displacement about which it moves, 0 where the tests pass zero.
+        about_mm: displacement about which it moves, as the tests do; 0 where that is about zero.
         further: further conditions that matter to a rival: columns of runs.csv, as in a law's signals.
         profile: SINE or RIDDEN.
         separation: expected difference between the predictions of those two rivals that it separates least, in standard
