@@ -4,6 +4,8 @@ What creeps had a strength, a way and a time, of which two were shown: a fit lef
 was taken to explain nothing, and no such element was ever proposed.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -18,7 +20,7 @@ PLAIN = [one for one in terms((), {}) if one.family != "factor"]
 A, F = np.meshgrid((0.2, 0.5, 1.0), (0.5, 8.0))
 MOTION = sinusoids(A.ravel(), F.ravel(), 293.15, 48)
 RUNS, SAMPLES = MOTION.y.shape
-SIZES = data_sizes({**MOTION.slow, "T": np.full((RUNS, 1), 293.15)}, np.full(RUNS, 100.0))
+SIZES = data_sizes(replace(MOTION, slow={**MOTION.slow, "T": np.full((RUNS, 1), 293.15)}), np.full(RUNS, 100.0))
 STILL = {
     **{name: float(value) for name, value in REFERENCES.items()},
     **{name: values[:, 0] for name, values in MOTION.slow.items()},

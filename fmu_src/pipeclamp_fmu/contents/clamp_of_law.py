@@ -165,4 +165,6 @@ def _notes(file: LawFile) -> list[str]:
     notes.append(f"{smoothing}, sgn y below y_r = {file.smoothing['y_r']:.3g} mm.")
     if file.data.time_measured is False:
         notes.append("The time of its tests was not measured: of speed and frequency it says nothing.")
+    if about := file.data.about_mm:
+        notes.append(f"Its tests moved about {about:.3g} mm, and y counts as their displacement did.")
     return notes

@@ -147,6 +147,10 @@ def build_fmu(
             f"no time was measured in the tests of law {file.name}: its forces are those of cycles of one second, and "
             "at any other frequency the FMU's damping follows a speed that nobody tested"
         )
+    if about := file.data.about_mm:
+        note(
+            f"the tests of law {file.name} moved about {about:.3g} mm, and the FMU's displacement counts as theirs did"
+        )
     put(f"law {file.name} {held}")
     put(f"{output}: {made}")
     say([after_clamp_fmu(str(output)).words()])

@@ -70,6 +70,11 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         levels[1] = "a cycle at any slow rate, which is called a second in its files"
     often = "once" if plan.repeats == 1 else f"{plan.repeats} times"
     lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]
+    if about := plan.about_mm:
+        lines.append(
+            f"The tests of {plan.law} moved about {about:.3g} mm: drive these runs about there. They are reckoned "
+            "about 0, where the law may be another."
+        )
     lines.append(
         "Order: temperatures rise, a block each; within it every condition once in random order, then in the reverse "
         "of it, so that even drift is the same for all; a reference run begins and ends each block"

@@ -107,6 +107,7 @@ def in_the_middle_words(file: LawFile) -> list[str]:
     )
     stiffness = with_error(loop.stiffness, loop.stiffness_error)
     energy = with_error(loop.dissipated_energy, loop.energy_error)
+    where = f"about {plain(file.data.about_mm, 3)} mm, {where}" if file.data.about_mm else where
     words = [f"In the middle of its tests ({where}): {stiffness} N/mm and {energy} J a cycle."]
     if conditions_beyond(file, {name: REFERENCES[f"{name}_0"] for name in BY_RATIO}):
         words.append("Its parameters stand at 1 mm, 1 Hz and 20 °C, outside of these tests, and may be less sure.")

@@ -48,6 +48,8 @@ SAMPLES_ENOUGH = 128
 SAMPLES_OF_MANY, MANY = 16, 20
 # the widest gap in time, in cycles, across which the loop's shape is still known
 WIDEST_GAP = 0.25
+# a way back of less than this share of the whole one is no turn of a motion that is laid out over sines
+LAID_OUT_TURN_SHARE = 0.004
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class Cycles:
         return phase
 
 
-def find_cycles(record: Record) -> Cycles:
+def find_cycles(record: Record, *, timed: bool = True) -> Cycles:
     """Split a record into cycles by the phase of its displacement's fundamental.
 
     A ramp-in, a ramp-out and rest before the test are left aside: the steady part is the longest row of cycles
@@ -95,6 +97,8 @@ def find_cycles(record: Record) -> Cycles:
 
     Args:
         record: samples that `check_samples` has passed.
+        timed: whether its time was measured. Where it wasn't, and the motion turns at equal times, these tell the
+            frequency: a sine that is fitted to cycles of unlike amplitudes has another one, and means nothing.
 
     Returns:
         The whole cycles, counted from the first steady sample.
@@ -107,6 +111,8 @@ def find_cycles(record: Record) -> Cycles:
     interval = duration / max(len(time) - 1, 1)
     if duration <= 0.0 or len(time) < FEWEST_SAMPLES_PER_CYCLE:
         raise UnusableRecord(f"no full cycle: {len(time)} samples over {duration:g} s")
+    if not timed and (told := _frequency_of_turns(time, y)) and (cycles := _cycles_of(time, record, told, interval)):
+        return cycles
     frequency = _coarse_frequency(time, y, interval)
     _require_samples(time, y, frequency, interval)
     first, last, frequency, rest = _steady_sine(time, y, frequency, interval)
@@ -138,6 +144,30 @@ def find_cycles(record: Record) -> Cycles:
     if fresh:
         bounds = bounds[1:]
     return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
+
+
+def _cycles_of(time: Array, record: Record, frequency: float, interval: float) -> Cycles | None:
+    """Give the steady cycles of a record whose frequency is known; None where there is none."""
+    first, last = _steady_samples(time, record.displacement_mm, frequency, interval)
+    if first > 0:
+        first += _over(time[first:last], frequency, interval)
+    bounds = first + _bounds(time[first:last], frequency, interval)
+    if len(bounds) < 2:
+        return None
+    if len(bounds) > 2 and _starts_fresh(_few_harmonics(time, [record.force_N], bounds, frequency)[0]):
+        bounds = bounds[1:]
+    return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
+
+
+def _frequency_of_turns(time: Array, y: Array) -> float | None:
+    """Give the frequency of a motion that turns at equal times, as one does that is laid out over sines; else None."""
+    turns = time[turning_points(y, np.full(len(y), LAID_OUT_TURN_SHARE * float(np.ptp(y))))]
+    # where there is but one within, its ends are turns too
+    turns = turns[1:-1] if len(turns) > 3 else turns
+    halves = np.diff(turns)
+    if len(halves) < 1 or np.ptp(halves) > np.max(np.diff(time)):
+        return None
+    return float(0.5 * len(halves) / (turns[-1] - turns[0]))
 
 
 def _turns(y: Array) -> IntArray:

@@ -223,7 +223,7 @@ def checked_run(row: RunRow, record: Record, *, time_measured: bool = True) -> R
         check_samples(record)
         if row.free:
             return FreeRun(row.run, row.setup, record, free_motion(record))
-        cycles = find_cycles(record)
+        cycles = find_cycles(record, timed=time_measured)
         if time_measured:  # a sensor is clipped where it enters its end at speed
             check_clipping(record, cycles)
     except UnusableRecord as fault:

@@ -122,10 +122,12 @@ def compare(file: LawFile, campaign: Campaign, loops: Loops | None = None) -> Co
     law, loops = law_of(file), loops or loops_of(campaign)
     runs = misfits(law, campaign, loops) if campaign.runs else ()
     free: tuple[FreeMisfit, ...] = ()
+    timed = campaign.time_measured and file.data.is_timed
     if campaign.free:
         others = zip(loops.run, loops.temperature_K.tolist(), strict=True) if runs else ()
-        free = free_misfits(file, campaign.free, dict(others))
-    outside = {**(_outside(file, loops) if runs else {}), **(_free_outside(file, campaign.free, free) if free else {})}
+        free = free_misfits(file, campaign.free, dict(others), timed=timed)
+    outside = _outside(file, loops, timed) if runs else {}
+    outside |= _free_outside(file, campaign.free, free) if free else {}
     return Comparison(law, campaign, loops, runs, outside, free)
 
 
@@ -148,10 +150,10 @@ def _free_outside(file: LawFile, runs: Sequence[FreeRun], misfits: Sequence[Free
     return found
 
 
-def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
+def _outside(file: LawFile, loops: Loops, timed: bool) -> dict[str, str]:
     columns = {
-        "A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K, "rho": loops.density_g_cm3,
-        **loops.conditions,
+        "A": loops.amplitude_mm, **({"f": loops.frequency_Hz} if timed else {}), "T": loops.temperature_K,
+        "rho": loops.density_g_cm3, **loops.conditions,
     }  # fmt: skip
     return outside_range(file, loops.run, columns)
 

@@ -185,8 +185,8 @@ def _place_factors(runs: int) -> Iterator[Factor]:
     for branch, words in enumerate(BRANCHES):
         yield Factor("branch", f"on {words}", everywhere, (places[:, 1] == branch).astype(np.float64))
     positive = np.cos(np.radians([sum(phase_edges(index)) / 2 for index in range(PHASE_BINS)])) > 0
-    yield Factor("side", "at positive displacement", everywhere, positive.astype(np.float64))
-    yield Factor("side", "at negative displacement", everywhere, (~positive).astype(np.float64))
+    yield Factor("side", "above the middle of the motion", everywhere, positive.astype(np.float64))
+    yield Factor("side", "below the middle of the motion", everywhere, (~positive).astype(np.float64))
 
 
 def condition_factors(conditions: Sequence[Condition], runs: int, parts: int) -> Iterator[Factor]:

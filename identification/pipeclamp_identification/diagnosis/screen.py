@@ -13,11 +13,13 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.fitting.joint.points import sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.joint.starts import Linearised, kept
 from pipeclamp_identification.fitting.refinement import refined_starts
+from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.equations.effect import Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import Structure, with_effect
+from pipeclamp_models.realise.sizes import about
 
 
 def candidate_names(structure: Structure, conditions: Iterable[str], *, time_measured: bool = True) -> list[str]:
@@ -117,8 +119,21 @@ def _starts(
         for point in refined_starts(larger, smaller, problem.observations, values):
             yield point, set(values) - gone
         return
-    for point in starting_points(larger, problem.observations, values):
-        yield point, kept(point, values)
+    for given in (values, *_beside_a_constant(structure, larger, name, problem, values)):
+        for point in starting_points(larger, problem.observations, given):
+            yield point, kept(point, values)
+
+
+def _beside_a_constant(
+    structure: Structure, larger: Structure, name: str, problem: Problem, values: Mapping[str, float]
+) -> Iterator[Mapping[str, float]]:
+    """Give where the law's stiffness may stand beside a constant force, of tests that don't move about zero.
+
+    Without one, the stiffness carries the mean force too, by exponents of the amplitude as well, and no one step leads
+    from there to where it is by the loops alone.
+    """
+    if about(problem.observations.motion) and larger.effect(name).is_constant:
+        yield {**values, **elastic_values(surface_values(structure, problem.loops))}
 
 
 def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], Promise]:

@@ -75,7 +75,7 @@ class Evaluation:
     @cached_property
     def sizes(self) -> Mapping[str, float]:
         """Sizes of the tests, in which starts are stated."""
-        return data_sizes(self.motion.slow, self.problem.observations.force_amplitude)
+        return data_sizes(self.motion, self.problem.observations.force_amplitude)
 
     @cached_property
     def known(self) -> dict[str, Any]:

@@ -92,7 +92,11 @@ class FreeMisfit:
 
 
 def free_misfits(
-    file: LawFile, runs: Sequence[FreeRun], others: Mapping[str, float] = MappingProxyType({})
+    file: LawFile,
+    runs: Sequence[FreeRun],
+    others: Mapping[str, float] = MappingProxyType({}),
+    *,
+    timed: bool = True,
 ) -> tuple[FreeMisfit, ...]:
     """Hold a law against every sample of runs of free motion.
 
@@ -107,6 +111,7 @@ def free_misfits(
         runs: of free motion.
         others: temperatures in K, nan where not known, of the campaign's other runs: where none is known at all, the
             law is taken at its reference temperature.
+        timed: whether their time was measured; otherwise f means nothing, and is what the law takes it for.
 
     Raises:
         UserError: the law follows a condition that isn't known, or gives no finite force.
@@ -118,7 +123,13 @@ def free_misfits(
     found = (_with_constant(law, run, T, ranges) for run, T in zip(runs, used, strict=True))
     on_sines, scatter = _on_sines(file), file.fit.noise_nrmse if file.fit else None
     return tuple(
-        replace(misfit, temperature_K=float(np.mean(T)), on_sines=on_sines, scatter_on_sines=scatter)
+        replace(
+            misfit,
+            temperature_K=float(np.mean(T)),
+            frequency=misfit.frequency if timed else np.clip(misfit.frequency, *ranges[1]),
+            on_sines=on_sines,
+            scatter_on_sines=scatter,
+        )
         for misfit, T in zip(found, temperature, strict=True)
     )
 

@@ -47,6 +47,7 @@ from pipeclamp_models.law.law import BASE_LAW, Equations, Structure
 from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.range import intervals_of, rounded
 from pipeclamp_models.realise.force import LawForce
+from pipeclamp_models.realise.sizes import about
 
 Method = Literal["joint", "surfaces"]
 
@@ -237,7 +238,7 @@ def law_file(
     )
     data = data_source(
         campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out,
-        time_measured=campaign.time_measured,
+        time_measured=campaign.time_measured, about_mm=about(identification.observations.motion),
     )  # fmt: skip
     covered = range_of(identification.loops, aged=ages(identification.fit.equations))
     file = file_of_fit(identification.fit, covered, data, quality, name=name, provenance=provenance)
@@ -250,7 +251,13 @@ def _rounded(value: float | None) -> float | None:
 
 
 def data_source(
-    name: str, fingerprint: str, runs_used: int, left_out: Iterable[LeftOut], *, time_measured: bool
+    name: str,
+    fingerprint: str,
+    runs_used: int,
+    left_out: Iterable[LeftOut],
+    *,
+    time_measured: bool,
+    about_mm: float = 0.0,
 ) -> DataSource:
     """Give what a parameter file says of the data that its law was identified from."""
     return DataSource(
@@ -259,6 +266,7 @@ def data_source(
         runs_used=runs_used,
         left_out=left_out_runs(left_out),
         time_measured=None if time_measured else False,
+        about_mm=rounded(about_mm) or None,
     )
 
 

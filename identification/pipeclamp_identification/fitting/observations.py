@@ -345,4 +345,4 @@ def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
 
 def data_scales(observations: Observations) -> Sizes:
     """Give the sizes of the data in which starts and bounds of parameters are stated."""
-    return data_sizes(observations.motion.slow, observations.force_amplitude)
+    return data_sizes(observations.motion, observations.force_amplitude)

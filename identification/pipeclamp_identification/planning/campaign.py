@@ -114,6 +114,7 @@ class CampaignPlan:
         power: what it names.
         stages: after each block of one temperature.
         tried: all plans that were looked at.
+        about_mm: displacement about which the law's tests moved, where that isn't about zero.
     """
 
     law: str
@@ -126,6 +127,7 @@ class CampaignPlan:
     power: Power
     stages: tuple[PlanStage, ...]
     tried: tuple[TriedPlan, ...]
+    about_mm: float | None
 
 
 def plan_campaign(
@@ -168,7 +170,7 @@ def plan_campaign(
     stages = tuple(_stages(runs, levels, view, asked))
     return CampaignPlan(
         file.name, asked, levels.limits, file.data.is_timed, runs, repeats, best.hours, found, stages,
-        tuple(dict.fromkeys(tried)),
+        tuple(dict.fromkeys(tried)), file.data.about_mm,
     )  # fmt: skip
 
 

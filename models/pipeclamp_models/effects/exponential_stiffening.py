@@ -7,7 +7,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import FUNG
-from pipeclamp_models.equations.symbols import A_highest, F_typical, x
+from pipeclamp_models.equations.symbols import F_typical, x, y_farthest
 
 k_x, b_x = sp.symbols("k_x b_x", real=True)
 
@@ -19,7 +19,7 @@ curved = sp.Min(stroke, STRAIGHT)
 beyond = sp.Max(stroke - STRAIGHT, 0)
 grown = [2.0, 4.0, 8.0]
 """Starts of the largest stroke over 1/b_x."""
-rates = [stroke / A_highest for stroke in grown]
+rates = [stroke / y_farthest for stroke in grown]
 
 EFFECT = Effect(
     id="exponential_stiffening",
@@ -37,8 +37,8 @@ EFFECT = Effect(
             lower=0.0,
         ),
         Parameter(
-            b_x, "1/mm", "growth of the stiffness per stroke", tuple(rates), lower=0.2 / A_highest,
-            upper=20 / A_highest,
+            b_x, "1/mm", "growth of the stiffness per stroke", tuple(rates), lower=0.2 / y_farthest,
+            upper=20 / y_farthest,
         ),
     ),
     force=k_x / b_x * (sp.exp(curved) * (1 + beyond) - 1 - stroke) * sp.sign(x),

@@ -4,7 +4,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import BAUER, QUAGLIA
-from pipeclamp_models.equations.symbols import A_highest, F_typical, x
+from pipeclamp_models.equations.symbols import F_typical, x, y_farthest
 
 F_g, q_g, n_g = sp.symbols("F_g q_g n_g", real=True)
 
@@ -45,7 +45,7 @@ EFFECT = Effect(
         ),
         Parameter(
             q_g, "1/mm", "one over the column's length; above 0 where positive y compresses",
-            tuple(share / A_highest for share in shares), lower=-0.98 / A_highest, upper=0.98 / A_highest,
+            tuple(share / y_farthest for share in shares), lower=-0.98 / y_farthest, upper=0.98 / y_farthest,
         ),
         Parameter(
             n_g, "-", "exponent of the change of state: 1 isothermal, 1.4 adiabatic", (USUAL,) * len(shares),

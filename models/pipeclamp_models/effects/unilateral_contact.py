@@ -11,7 +11,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, exponent, power_surface
 from pipeclamp_models.equations.literature import HUNT, TSUJI
-from pipeclamp_models.equations.symbols import A_0, A_highest, F_typical, T, v, v_highest, y, y_r
+from pipeclamp_models.equations.symbols import A_0, F_typical, T, v, v_highest, y, y_middle, y_r, y_reach
 
 F_h, y_h, n_h, chi_h, m_h, h_T = sp.symbols("F_h y_h n_h chi_h m_h h_T", real=True)
 stiff, losing = sp.symbols("contact_F contact_chi", real=True)
@@ -31,9 +31,11 @@ def power_of(depth: sp.Expr, power: sp.Expr) -> sp.Expr:
 
 HERTZ = 1.5
 """Exponent of round bodies; 1 of flat ones."""
-sides = (1, -1, 1, -1)
-places = (0.0, 0.0, 0.6, 0.6)
-"""Starts of which side and of where, in units of the largest amplitude."""
+away = sp.Min(sp.Abs(y_middle) / y_reach, 1)
+sides = (1, -1, 1, -1, 1, -1)
+places = (0, 0, 0.6, 0.6, -0.5 * away, -0.5 * away)
+"""Starts of which side, and of where from the middle of the tests, in units of how far they reach to either side: also
+within the half before it where that isn't zero, as in tests that load a part to one side."""
 
 EFFECT = Effect(
     id="unilateral_contact",
@@ -50,14 +52,14 @@ EFFECT = Effect(
         Parameter(
             F_h, "N", "force at a depth of 1 mm at 20 °C; above 0 where it lies at y > 0",
             tuple(
-                on * 0.4 * F_typical / ((1 - place) * A_highest / A_0) ** HERTZ
+                on * 0.4 * F_typical / ((1 - place) * y_reach / A_0) ** HERTZ
                 for on, place in zip(sides, places, strict=True)
             ),
         ),
         Parameter(
             y_h, "mm", "displacement towards the stop at which it is touched",
-            tuple(place * A_highest for place in places), lower=-0.8 * A_highest,
-            upper=0.98 * A_highest,
+            tuple(on * y_middle + place * y_reach for on, place in zip(sides, places, strict=True)),
+            lower=-sp.Abs(y_middle) - 0.8 * y_reach, upper=sp.Abs(y_middle) + 0.98 * y_reach,
         ),
         Parameter(
             n_h, "-", "exponent of the depth: 1 flat, 1.5 round", (HERTZ,) * len(places), lower=0.7, upper=2.5,

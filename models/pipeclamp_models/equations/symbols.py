@@ -101,9 +101,16 @@ T_lowest = sp.Symbol("T_lowest", positive=True)
 T_highest = sp.Symbol("T_highest", positive=True)
 A_highest = sp.Symbol("A_highest", positive=True)
 N_highest = sp.Symbol("N_highest", positive=True)
+y_middle = sp.Symbol("y_middle", real=True)
+y_reach = sp.Symbol("y_reach", positive=True)
 
-SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest, N_highest)
+SCALES = (
+    A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest, N_highest, y_middle, y_reach,
+)  # fmt: skip
 """Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
+
+y_nearest, y_farthest = sp.Max(sp.Abs(y_middle) - y_reach, 0), sp.Abs(y_middle) + y_reach
+"""Between which distances from zero the tests move: 0 and the largest amplitude where they move about zero."""
 
 v_lowest, v_typical, v_highest = (
     2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))

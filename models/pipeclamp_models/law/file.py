@@ -93,6 +93,7 @@ class DataSource(LawFilePart):
     """The data that the law was identified from; `warnings` say which of its units are likely wrong.
 
     Where `time_measured` is false, a cycle was taken for a second: the law says nothing of speeds and frequencies.
+    `about_mm` is the displacement about which the tests moved, where that isn't about zero.
     """
 
     name: str
@@ -101,6 +102,7 @@ class DataSource(LawFilePart):
     left_out: tuple[LeftOutRun, ...] = ()
     warnings: tuple[str, ...] | None = None
     time_measured: Literal[False] | None = None
+    about_mm: Finite | None = None
 
     @property
     def is_timed(self) -> bool:

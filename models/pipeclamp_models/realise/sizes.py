@@ -15,7 +15,7 @@ from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.force import force_of_law
-from pipeclamp_models.realise.motion import sinusoids
+from pipeclamp_models.realise.motion import Motion, sinusoids
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -24,20 +24,26 @@ SAMPLES_PER_CYCLE = 128
 """Samples of a cycle that tell the size of a law's force."""
 CYCLES_OF_A_SERIES = 1000.0
 """Load cycles of a test series, where nothing says how many."""
+ABOUT_ZERO = 0.25
+"""Share of the amplitude within which tests move about zero; those that load a part to one side move about 1."""
 
 
-def data_sizes(slow: Mapping[str, Array], force_amplitude: Array) -> Sizes:
+def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
     """Give the sizes of R runs.
 
     Args:
-        slow: slow signals by name, shape (R, 1) or (R, n): A in mm, f in Hz, T in K, and further ones.
+        motion: of the runs.
         force_amplitude: N, shape (R,).
     """
+    slow = motion.slow
     A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
+    bottom, top = _ends(motion)
     return {
         "N_highest": max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
         "A_typical": float(np.median(A)),
         "A_highest": float(np.max(A)),
+        "y_middle": (top + bottom) / 2,
+        "y_reach": (top - bottom) / 2,
         "F_typical": float(np.median(force_amplitude)),
         "f_typical": float(np.median(f)),
         "f_lowest": float(np.min(f)),
@@ -51,6 +57,19 @@ def data_sizes(slow: Mapping[str, Array], force_amplitude: Array) -> Sizes:
             if name.startswith(CONDITION) and np.all(np.isfinite(values))
         },
     }
+
+
+def about(motion: Motion) -> float:
+    """Give the displacement about which R runs move, mm: that of the middle run; 0 where it is about zero."""
+    place, A = np.mean(motion.y, axis=1), motion.slow["A"][:, 0]
+    middle = float(np.sort(place)[(len(place) - 1) // 2])
+    return middle if abs(middle) > ABOUT_ZERO * float(np.median(A)) else 0.0
+
+
+def _ends(motion: Motion) -> tuple[float, float]:
+    """Give the displacements between which R runs move, mm."""
+    place, A = np.mean(motion.y, axis=1), motion.slow["A"][:, 0]
+    return float(np.min(place - A)), float(np.max(place + A))
 
 
 def law_sizes(
@@ -74,7 +93,7 @@ def law_sizes(
     motion = sinusoids(A, f, T, SAMPLES_PER_CYCLE)
     added = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **added})
-    return data_sizes(motion.slow, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
+    return data_sizes(motion, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
 
 
 def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:

@@ -99,15 +99,60 @@ def test_a_level_of_force_in_a_picture_is_no_clipped_sensor(tmp_path):
     assert [run.cycles.count for run in read_campaign(tmp_path / "c").runs] == [1]
 
 
-def test_a_cycle_from_turn_to_turn_without_a_time_has_no_frequency(tmp_path):
-    """Up and back once: it had been a sine of as many hertz as its samples made, beside others of 1 Hz."""
-    y = np.concatenate([np.linspace(0, 2, 12), np.linspace(2, 0, 12)[1:]])
-    rows = [f"{a:.4f},{900 * a + (150 if i < 12 else -150):.2f}" for i, a in enumerate(y)]
-    (tmp_path / "a.csv").write_text("\n".join(["Displacement [mm],Force [N]", *rows]))
-    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c", rate="none")
+def up_and_back(path, count, back=0.0):
+    """Write a curve of loading and unloading once, with so many points a way, back to a share of the way up."""
+    y = np.concatenate([np.linspace(0, 2, count), np.linspace(2, 2 * back, count)[1:]])
+    rows = [f"{a:.4f},{900 * a + (150 if i < count else -150):.2f}" for i, a in enumerate(y)]
+    path.write_text("\n".join(["Displacement [mm],Force [N]", *rows]))
+    return path
+
+
+def test_loading_and_unloading_once_without_a_time_are_a_cycle_of_one_second(tmp_path):
+    """They had been a sine of as many hertz as their samples made, then a free motion that no law is fitted to."""
+    found = pc.import_files(up_and_back(tmp_path / "a.csv", 12), tmp_path / "c", rate="none")
     (run,) = found.to_dict()["runs"]
-    assert "its motion is no sine (without a time, it takes two turns within it to tell a cycle)" in str(run)
+    assert (run["amplitude_mm"], run["frequency_Hz"]) == pytest.approx((1.0, 1.0), rel=1e-6)
+    law = pc.identify(found.tests())
+    assert pc.compare(law, found.tests()).nrmse < 0.05
+    assert law.file.data.about_mm == pytest.approx(1.0, rel=1e-3) and "about 1 mm" in str(law)
+
+
+def test_a_way_that_doesn_t_come_back_without_a_time_is_no_cycle(tmp_path):
+    found = pc.import_files(up_and_back(tmp_path / "a.csv", 12, 0.2), tmp_path / "c", rate="none")
+    (run,) = found.to_dict()["runs"]
+    assert "its motion is no sine (without a time, it takes two turns within it to tell a cycle" in str(run)
     assert "free" in (tmp_path / "c" / "runs.csv").read_text()
+
+
+def growing(path, amplitudes, count=24):
+    """Write the curve of a spring with friction through cycles from rest, of amplitudes that follow each other."""
+    phase = np.arange(count) / count
+    y = np.concatenate([a * 2 / np.pi * np.arcsin(np.sin(2 * np.pi * phase)) for a in amplitudes])
+    force = 900 * y + 150 * np.sign(np.gradient(y))
+    path.write_text("\n".join(["Displacement [mm],Force [N]", *(f"{a},{b}" for a, b in zip(y, force, strict=True))]))
+    return path
+
+
+def test_cycles_without_a_time_have_one_frequency_however_their_amplitudes_follow_each_other(tmp_path):
+    """Of a run of unlike cycles 0.97 Hz had been found, beside 1 Hz, and exponents of the frequency been fitted."""
+    programs = (0.6, 1.0), (1.4, 2.0), (2.4,)
+    files = [growing(tmp_path / f"{number}.csv", amplitudes) for number, amplitudes in enumerate(programs)]
+    found = pc.import_files(files, tmp_path / "c", rate="none")
+    assert [run["frequency_Hz"] for run in found.to_dict()["runs"]] == pytest.approx([1.0] * 3, rel=1e-9)
+    states = pc.identify(found.tests()).file.coefficients
+    assert (states["c_f"].state, states["alpha_f"].state) == ("frozen", "frozen")
+
+
+def test_no_frequency_lies_outside_a_laws_range_where_no_time_was_measured(tmp_path):
+    """ "For 99% of the time the tracked f lies outside the law's range, 1 to 1 Hz" had been said of such a motion."""
+    files = [growing(tmp_path / f"{a}.csv", (a,)) for a in (0.6, 1.0, 2.0)]
+    law = pc.identify(pc.import_files(files, tmp_path / "c", rate="none").tests())
+    y = np.cumsum(np.random.default_rng(3).normal(0, 0.1, 300))
+    rows = (f"{a},{900 * a}" for a in 1.5 * y / np.max(np.abs(y)))
+    (tmp_path / "walk.csv").write_text("\n".join(["Displacement [mm],Force [N]", *rows]))
+    free = pc.import_files(tmp_path / "walk.csv", tmp_path / "f", rate="none")
+    told = pc.compare(law, free.tests())
+    assert "the tracked f" not in str(told) and "f for " not in str(told)
 
 
 def test_tests_without_a_time_are_marked_and_told(tmp_path, files):

@@ -30,7 +30,7 @@ STRUCTURES = [
 def test_a_turn_is_all_steps_of_a_cycle(structure):
     motion = sinusoids(np.array([0.2, 0.5, 1.0]), np.array([1.0, 4.0, 2.0]), np.full(3, 293.15), SAMPLES)
     equations = structure.equations
-    sizes = data_sizes(motion.slow, np.full(3, 1500.0))
+    sizes = data_sizes(motion, np.full(3, 1500.0))
     values = [number_in(parameter.starts[0], sizes) for parameter in equations.parameters]
     found = force_of_equations(equations, values, smoothing(0.2, 1.0), motion)
     assert not found.unsettled.any()

@@ -157,13 +157,15 @@ def test_a_plan_keeps_its_hours_and_its_limits():
 
 def test_where_no_time_was_measured_no_frequency_is_varied():
     file = open_law("emwm2")
-    untimed = file.model_copy(update={"data": file.data.model_copy(update={"time_measured": False})})
+    told = {"time_measured": False, "about_mm": 85.0}
+    untimed = file.model_copy(update={"data": file.data.model_copy(update=told)})
     with few_effects("relaxation", "offset"):
         plan = plan_campaign(untimed, parse_limits("A=0.3..0.6,f=1..9,v=..0.1,T=20..20"))
     assert len({run.frequency_Hz for run in plan.runs}) == 1 < len({run.amplitude_mm for run in plan.runs})
     assert plan.power.scene.effects == ("offset",)
     assert "relaxation" in plan.power.scene.not_reckoned
     words = " ".join(campaign_plan_words(plan))
+    assert "moved about 85 mm: drive these runs about there" in words
     assert "at any slow rate" in words and "Hz" not in words and "f=" not in words
     assert b"time_measured = false" in dict(plan_files(plan, "planned", "plan"))["campaign.toml"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -29,6 +30,7 @@ from pipeclamp_models.base.units import CELSIUS, celsius_of
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.sizes import about
 
 LEVELS_OF_A_AND_F = 6
 LEVELS_OF_T = 4
@@ -61,6 +63,7 @@ class Proposal:
 
     Attributes:
         amplitude_mm, frequency_Hz, temperature_C: its conditions; no temperature where that of the tests isn't known.
+        about_mm: displacement about which it moves, as the tests do; 0 where that is about zero.
         further: further conditions that matter to a rival: columns of runs.csv, as in a law's signals.
         profile: SINE or RIDDEN.
         separation: expected difference between the predictions of those two rivals that it separates least, in standard
@@ -68,17 +71,20 @@ class Proposal:
         rivals: names, best first.
         motion: the motion, one row.
         forces: what each rival predicts, N, shape (rivals, n).
+        timed: whether the tests' time was measured: else the frequency is but that of one cycle a second.
     """
 
     amplitude_mm: float
     frequency_Hz: float
     temperature_C: float | None
+    about_mm: float
     further: Mapping[str, float]
     profile: str
     separation: float
     rivals: tuple[str, ...]
     motion: Motion
     forces: Array
+    timed: bool
 
     @property
     def plan(self) -> DrivePlan:
@@ -88,8 +94,10 @@ class Proposal:
     def test_words(self) -> str:
         """Say which test it is."""
         further = "".join(f", {_further_words(name, value)}" for name, value in self.further.items())
+        where = f" about {self.about_mm:.3g} mm, as the tests so far" if self.about_mm else ""
+        rate = f", {self.frequency_Hz:.3g} Hz" if self.timed else ""
         return (
-            f"{PROFILES[self.profile].words} at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, "
+            f"{PROFILES[self.profile].words} at {self.amplitude_mm:.3g} mm{where}{rate}, "
             f"{temperature_words(self.temperature_C)}{further}"
         )
 
@@ -103,7 +111,8 @@ class Proposal:
 
     def drive_words(self) -> str:
         """Say what the drive signal asks of the machine."""
-        return f"{self.plan.words()}; run it {RUNS_OF_A_TEST} times"
+        counted = f"; it is counted from {self.about_mm:.3g} mm" if self.about_mm else ""
+        return f"{self.plan.words()}{counted}; run it {RUNS_OF_A_TEST} times"
 
 
 def rivals_words(rivals: Sequence[str]) -> str:
@@ -184,13 +193,19 @@ class _TestSearch:
         """Give a temperature in degC; none where that of the tests so far isn't known."""
         return None if "T" in self.diagnosis.problem.observations.motion.assumed else celsius_of(T)
 
+    def words_of(self, limits: Limits) -> str:
+        """Say within which limits is sought; not of what these tests don't know."""
+        known = limits if self.timed else limits.untimed
+        return limits_words(known if self.temperature(0.0) is not None else known.with_range("T", (-CELSIUS, math.inf)))
+
     def proposal(self, outlook: Outlook, row: int) -> Proposal:
         """Give one of the tests that were looked at."""
         A, f, T = (float(outlook.grid[name][row]) for name in ("A", "f", "T"))
         further = {name: float(values[row]) for name, values in outlook.grid.items() if name not in ("A", "f", "T")}
+        where = about(self.diagnosis.problem.observations.motion)
         return Proposal(
-            A, f, self.temperature(T), further, outlook.profile, float(outlook.apart[:, row].min()), self.names,
-            outlook.motion.rows(np.array([row])), outlook.forces[:, row],
+            A, f, self.temperature(T), where, further, outlook.profile, float(outlook.apart[:, row].min()), self.names,
+            outlook.motion.rows(np.array([row])), outlook.forces[:, row], self.timed,
         )  # fmt: skip
 
 
@@ -232,12 +247,12 @@ def _why_none(search: _TestSearch, limits: Limits, outlooks: Sequence[Outlook]) 
         row = int(np.argmax(best.apart.max(axis=0)))
         proposal = search.proposal(best, row)
         why = (
-            f"no test within {limits_words(limits)} tells {rivals_words(search.names)} apart: by the best, "
+            f"no test within {search.words_of(limits)} tells {rivals_words(search.names)} apart: by the best, "
             f"{proposal.test_words()}, they differ by {float(best.apart.max()):.1f} standard deviations, and "
             f"{LEAST_DEVIATIONS:g} are needed"
         )
     else:
-        why = f"no motion keeps all of {limits_words(limits)}"
+        why = f"no motion keeps all of {search.words_of(limits)}"
     if not gives:
         return f"{why}; no single limit that gives way would help"
     return f"{why}; it would take {' or '.join(gives)}"

@@ -25,6 +25,7 @@ from pipeclamp_identification.fitting.observations import (
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.sizes import about
 
 HARMONICS_FORETOLD = 12
 CYCLES_OF_A_TEST = 5
@@ -155,12 +156,13 @@ def outlook_of(profile: str, grid: ConditionArrays, rivals: Sequence[Foreseer], 
 
 
 def _motions(grid: ConditionArrays, profile: str, diagnosis: Diagnosis) -> Motion:
-    """Give the motions of a grid of conditions; those that it doesn't name as in the middle run."""
+    """Give the motions of a grid of conditions, where the tests move; what it doesn't name as in the middle run."""
     column = {name: values[:, None] for name, values in grid.items()}
     A, f = column["A"], column["f"]
     theta = 2 * np.pi * np.arange(SAMPLES_PER_CYCLE) / SAMPLES_PER_CYCLE
     y, v, a = tones_motion(PROFILES[profile].tones, A, f, theta)
-    tested = diagnosis.problem.observations.motion.slow
+    so_far = diagnosis.problem.observations.motion
+    y, tested = y + about(so_far), so_far.slow
     middle = {name: np.full_like(A, float(np.median(values))) for name, values in tested.items()}
     return Motion(y, v, a, {**middle, **column}, 1.0 / (f * SAMPLES_PER_CYCLE))
 

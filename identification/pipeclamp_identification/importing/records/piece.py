@@ -30,7 +30,7 @@ from pipeclamp_models.base.tables import pl
 
 BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
-HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle"
+HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle, or one way up and back"
 """Why a record whose time wasn't measured is no sine."""
 
 
@@ -161,7 +161,7 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
         UnusableRecord: it can't be.
     """
     try:
-        cycles = find_cycles(record)
+        cycles = find_cycles(record, timed=timed)
     except UnusableRecord as fault:
         return _free(record, str(fault))
     words: tuple[str, ...] = ()

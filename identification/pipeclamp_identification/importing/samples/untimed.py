@@ -26,6 +26,8 @@ TURN = 0.1
 """Share of the whole way from which on a way back is a turn of such a curve."""
 FEWEST_TURNS = 4
 """The first sample, two turns and the last one: the way between two turns tells how far the others went."""
+CLOSED = 0.02
+"""Share of the way up within which the way back ends where that began: then both are a cycle, from turn to turn."""
 SHARE_DIGITS = 6
 """Of a share of a step."""
 UNLOADED = 0.01
@@ -37,10 +39,11 @@ def laid_out(record: Record) -> Repaired:
 
     Without a time, only the curve of force over displacement is known: in it samples are joined by straight lines. How
     close they lie along it says nothing, and would be taken for a motion. A single cycle that lacks its last step goes
-    on to where it began. One that hardly turns stays as it is.
+    on to where it began. One that hardly turns stays as it is, unless it goes up and back once, as loading and
+    unloading do.
     """
     turns = turns_of_curve(record.displacement_mm)
-    if len(turns) < FEWEST_TURNS:
+    if len(turns) < FEWEST_TURNS and not _goes_up_and_back(record.displacement_mm, turns):
         return Repaired(record)
     if len(turns) == FEWEST_TURNS and lacks_a_step(record.displacement_mm):
         record = Record(**{name: np.append(values, values[0]) for name, values in record.channels.items()})
@@ -69,6 +72,12 @@ def laid_out(record: Record) -> Repaired:
         begun += (high - low) / math.pi * HALF
     found = Record(time_s=np.concatenate(times), **{name: np.concatenate(parts) for name, parts in laid.items()})
     return Repaired(found, (f"laid out over sines of 1 Hz ({len(y)} samples became {len(found.time_s)})",))
+
+
+def _goes_up_and_back(y: Array, turns: IntArray) -> bool:
+    """Tell whether a motion turns once and ends where it began, so that both its ends are turns."""
+    closes = abs(y[-1] - y[0]) <= CLOSED * float(np.ptp(y))
+    return bool(len(turns) == FEWEST_TURNS - 1 and closes)
 
 
 def cycles_of(y: Array) -> float:
