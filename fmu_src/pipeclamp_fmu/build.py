@@ -15,7 +15,7 @@ from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.continuous_memory import require_states
 from pipeclamp_fmu.contents.excitation import Samples, excitation_content
-from pipeclamp_fmu.contents.passivity import require_dissipation
+from pipeclamp_fmu.contents.passivity import moved_about, require_dissipation
 from pipeclamp_fmu.contents.passivity_proof import Proof, cycles_through, prove
 from pipeclamp_fmu.contents.pipe import pipe_content
 from pipeclamp_fmu.native.clamp import native_clamp
@@ -141,13 +141,15 @@ def passivity(model: ClampModel, file: LawFile) -> Proof:
         file: the law.
     """
     law = law_of(file)
-    return _proof(law.structure, parameter_values(law), _ranges(model))
+    return _proof(law.structure, parameter_values(law), _ranges(model), file.data.about_mm or 0.0)
 
 
 @lru_cache(maxsize=8)
-def _proof(structure: Structure, values: tuple[float, ...], ranges: tuple[tuple[float, float], ...]) -> Proof:
+def _proof(
+    structure: Structure, values: tuple[float, ...], ranges: tuple[tuple[float, float], ...], about: float
+) -> Proof:
     """Prove it once: who builds an FMU is told by the same proof that let it be built."""
-    return prove(stepping(structure), values, ranges)
+    return prove(stepping(structure), values, ranges, about)
 
 
 def require_passive(model: ClampModel, file: LawFile) -> None:
@@ -159,17 +161,17 @@ def require_passive(model: ClampModel, file: LawFile) -> None:
         UserError: it would.
     """
     law = law_of(file)
-    _require_passive(model.name, law.structure, parameter_values(law), _ranges(model))
+    _require_passive(model.name, law.structure, parameter_values(law), _ranges(model), file.data.about_mm or 0.0)
 
 
 @lru_cache(maxsize=8)
 def _require_passive(
-    name: str, structure: Structure, values: tuple[float, ...], ranges: tuple[tuple[float, float], ...]
+    name: str, structure: Structure, values: tuple[float, ...], ranges: tuple[tuple[float, float], ...], about: float
 ) -> None:
     """Refuse it; once it has passed, it isn't tried again for another FMU of the same law."""
-    proof = _proof(structure, values, ranges)
-    law = loaded(source_of(structure), values)
-    require_dissipation(name, law, *ranges, begin=cycles_through(proof), proved=proof.proved)
+    proof = _proof(structure, values, ranges, about)
+    law = moved_about(loaded(source_of(structure), values), about)
+    require_dissipation(name, law, *ranges, begin=cycles_through(proof, about), proved=proof.proved)
 
 
 def creates_energy(file: LawFile) -> str:

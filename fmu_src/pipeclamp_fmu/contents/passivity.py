@@ -9,9 +9,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.realise.scalar_law import ScalarLaw
@@ -116,6 +116,17 @@ class Balance:
     def share(self) -> float:
         """Dissipated over moved energy."""
         return self.dissipated / self.moved if self.moved > ROUNDING_ENERGY else 0.0
+
+
+def moved_about(law: ScalarLaw, place: float) -> ScalarLaw:
+    """Give a law whose displacements count from where its tests moved, mm: all closed motions lie within A of there."""
+
+    def step(
+        k: Any, state: tuple[float, ...], y_previous: float, y: float, v: float, h: float
+    ) -> tuple[float, float, tuple[float, ...]]:
+        return law.step(k, state, place + y_previous, place + y, v, h)
+
+    return replace(law, step=step) if place else law
 
 
 def balance(law: ScalarLaw, cycle: ClosedMotion, where: Sequence[float], samples: int) -> Balance:

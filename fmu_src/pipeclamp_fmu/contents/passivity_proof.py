@@ -65,13 +65,14 @@ class Proof:
         return f"{searched}: at y = {y:.3g} mm and v = {v:.3g} mm/s, say, its force pushes along instead of braking"
 
 
-def prove(law: Stepping, values: Sequence[float], ranges: Sequence[Interval]) -> Proof:
+def prove(law: Stepping, values: Sequence[float], ranges: Sequence[Interval], about: float = 0.0) -> Proof:
     """Prove that a law dissipates, or find where it doesn't.
 
     Args:
         law: the law; one with states is left undecided.
         values: of its parameters, in the order of `parameter_symbols`.
         ranges: of A (mm), f (Hz), T (K) and further conditions, as `conditions_of` names them.
+        about: mm, about which the law's tests moved.
     """
     if law.equations.states:
         return Proof(proved=False)
@@ -96,17 +97,18 @@ def prove(law: Stepping, values: Sequence[float], ranges: Sequence[Interval]) ->
         parts = [bounds(symbols.v * part, known) for part in against]
         return math.fsum(low for low, _ in parts), math.fsum(high for _, high in parts)
 
-    return _searched(power, names, matters, [(*ranges, (-A, A), half) for half in ((0.0, fastest), (-fastest, 0.0))])
+    places, ways = (about - A, about + A), ((0.0, fastest), (-fastest, 0.0))
+    return _searched(power, names, matters, [(*ranges, places, way) for way in ways])
 
 
-def cycles_through(proof: Proof) -> list[tuple[Cycle, tuple[float, ...]]]:
-    """Give cycles that pass a place where a law feeds energy, with the conditions there."""
+def cycles_through(proof: Proof, about: float = 0.0) -> list[tuple[Cycle, tuple[float, ...]]]:
+    """Give cycles that pass a place where a law feeds energy, with the conditions there; displacements from `about`."""
     if proof.against is None:
         return []
     *where, y, v = proof.against.values()
     A, f = where[0], where[1]
     size = min(1.0, abs(v) / (2 * math.pi * f * A))
-    middle = max(-(1 - size), min(1 - size, y / A))
+    middle = max(-(1 - size), min(1 - size, (y - about) / A))
     shapes = (((1, size, 0.0),), ((1, 0.6 * size, 0.0), (3, 0.4 * size, 1.0)))
     through = [Cycle("a motion", shape, middle) for shape in shapes]
     return [(cycle, tuple(where)) for cycle in (*CYCLES_ACCOUNTED, *through)]

@@ -53,6 +53,7 @@ from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
+from pipeclamp_models.realise.sizes import about
 
 MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
@@ -165,7 +166,7 @@ def search(
 
 def terms_asked(problem: Problem) -> list[Term]:
     """Give the terms of the grammar that tests may ask: none of speed or time where no time was measured."""
-    every = terms(*_varied(problem))
+    every = terms(*_varied(problem), about(problem.observations.motion))
     return [term for term in every if problem.loops.time_measured or not term.effect.is_of_time]
 
 

@@ -74,12 +74,13 @@ class Term:
         return effect_of(self.declaration)
 
 
-def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Term]:
+def terms(varied: Sequence[str], conditions: Mapping[str, float], about: float = 0.0) -> Iterator[Term]:
     """Give every term.
 
     Args:
         varied: of A, f, T and N those that vary over the tests.
         conditions: further columns that vary, with the largest magnitude of each.
+        about: mm, where tests move that are far from zero: there their displacements begin to count.
     """
     scales = [None, *(one for name, one in SCALED.items() if name in varied)]
     scales += [scale for name, size in conditions.items() for scale in scales_of(name, size)]
@@ -90,10 +91,10 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
     ]
     for (family, shape), scale in itertools.product(shapes, scales):
         if 1 + len(shape.parameters) + (scale is not None) <= MOST_PARAMETERS:
-            yield _force_term(family, shape, scale)
+            yield _force_term(family, shape, scale, about)
     if "T" in varied:
         for family, shape in moved_by_temperature():
-            yield _force_term(family, shape, None)
+            yield _force_term(family, shape, None, about)
     signals = [*(name for name in FOLLOWED if name in varied), *conditions]
     for role, signal in itertools.product(ROLES, signals):
         yield from _factors(role, signal, conditions)
@@ -102,9 +103,11 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
             yield from _factors_shifted_by_temperature(role)
 
 
-def _force_term(family: Family, shape: Shape, scale: Scale | None) -> Term:
+def _force_term(family: Family, shape: Shape, scale: Scale | None, about: float) -> Term:
     """Give a term that adds a force, alone or scaled by what follows A, f, T or a further column."""
-    words = f", scaled with {scale.words}" if scale else ""
+    about = float(f"{about:.3g}")
+    words = f", displacement counted from {about:g} mm" if about else ""
+    words += f", scaled with {scale.words}" if scale else ""
     further = (scaling(f"by how much it follows {scale.words}", -0.5, 0.5),) if scale else ()
     strength: Entry = {"symbol": STRENGTH, "unit": "N", "meaning": "force of the term", "start": "0.05 * F_typical"}
     if not shape.signed:
@@ -114,7 +117,7 @@ def _force_term(family: Family, shape: Shape, scale: Scale | None) -> Term:
         family, _name(shape.name, scale), f"{shape.acts_like}{words}",
         parameters=(strength, *shape.parameters, *further), force=f"{scaled} * ({shape.expression})",
         states=(shape.state,) if shape.state else (), energy=shape.energy.replace(STRENGTH, scaled),
-        conditions=(scale.condition,) if scale and scale.condition else (),
+        conditions=(scale.condition,) if scale and scale.condition else (), about_mm=about,
     )  # fmt: skip
     names = {shape.name, shape.plain} - {""}
     shorter = {_name(one, each) for one in names for each in {scale, None}} - {_name(shape.name, scale)}

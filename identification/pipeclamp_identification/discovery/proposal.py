@@ -187,6 +187,7 @@ def formula_of(declaration: Declaration) -> str:
     parts = [f"F += {declaration.force}"] if declaration.force else []
     parts += [f"{one.coefficient} *= {one.factor}" for one in declaration.scales]
     parts += [f"{one.symbol} = {one.update}" for one in declaration.states]
+    parts += [f"y counted from {declaration.about_mm:g} mm"] if declaration.about_mm else []
     return _without_first_powers("; ".join(parts))
 
 

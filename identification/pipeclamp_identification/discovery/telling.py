@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_NOISE_SHARE
+from pipeclamp_identification.fitting.observations import loop_motion
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
@@ -17,6 +18,7 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import Motion, sinusoids
+from pipeclamp_models.realise.sizes import about
 
 BEYOND_A, BEYOND_F = 1.25, 2.0
 """How far beyond the tests a test may lie, as a share of the largest amplitude and of the highest frequency."""
@@ -51,6 +53,7 @@ def _tests(loops: Loops) -> Motion:
     temperatures = _between(loops.temperature_K) if known else [20.0 + CELSIUS]
     A, f, T = np.array(list(itertools.product(amplitudes, frequencies, temperatures))).T
     motion = sinusoids(A, f, T)
+    motion = replace(motion, y=motion.y + about(loop_motion(loops)))
     middle = {condition_signal(name): float(np.median(values)) for name, values in loops.conditions.items()}
     if np.all(np.isfinite(loops.cycle)):
         middle["N"] = float(np.median(loops.cycle))

@@ -104,6 +104,7 @@ class Declaration(TomlTable):
     scales: Annotated[tuple[ScaleTable, ...], Field(max_length=10)] = ()
     path: str = ""
     lag: str = ""
+    about_mm: Number = 0.0
 
 
 def merged(present: Sequence[Declaration], further: Iterable[Declaration]) -> tuple[Declaration, ...]:

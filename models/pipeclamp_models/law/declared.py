@@ -17,6 +17,8 @@ from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.expression import has_value, parse_expression
 from pipeclamp_models.law.names import FIXED, RESERVED, SCALES, SLOW, Signals
 
+PLACES = (symbols.y, symbols.x, symbols.y_previous)
+"""What counts from `about_mm` in expressions."""
 MOST_SECONDS_DECLARING = 30
 """That SymPy may take for a declaration; one of a person's size takes less than a second."""
 
@@ -27,7 +29,8 @@ def effect_of(declaration: Declaration) -> Effect:
 
     Forces, energies and factors may use what varies within a cycle (y, x, v, y_previous, h; a for rig effects), slow
     signals (A, f, T, N, rho, conditions), parameters, coefficients and states; updates the same but x; coefficients
-    slow signals and parameters; a path y, slow signals and parameters; a lag parameters.
+    slow signals and parameters; a path y, slow signals and parameters; a lag parameters. With `about_mm` y, x and
+    y_previous count from there, mm.
 
     Raises:
         UserError: the id is one of the catalogue's, or an expression can't serve; the message names the place.
@@ -49,6 +52,8 @@ class _Maker:
         self.declaration = declaration
         fast = [signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.a or declaration.part == "rig"]
         self.fast: Signals = {str(symbol): symbol for symbol in fast}
+        if declaration.about_mm:
+            self.fast = {**self.fast, **{str(one): one - declaration.about_mm for one in PLACES}}
         further = self._conditions()
         self.slow: Signals = {**SLOW, **further}
         tables = (declaration.parameters, declaration.coefficients, declaration.states)
@@ -162,6 +167,8 @@ class _Maker:
         doing = [effect.force, *effect.scales.values(), *effect.replaces.values(), effect.lag]
         if not any(expression != 0 for expression in doing):
             raise self._error("it does nothing; expected a force, scales, a path or a lag")
+        if declaration.path and declaration.about_mm:
+            raise self._error("about_mm: a path stands in place of x, which counts from 0; expected one of the two")
         if effect.lag != 0 and effect.part != "rig":
             raise self._error('lag: only what the rig adds is late; expected part = "rig"')
         used = set().union(

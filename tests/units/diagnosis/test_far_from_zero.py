@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from few_effects import few_effects
 
 import pipeclamp as pc
+from pipeclamp_fmu.build import creates_energy
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
+from pipeclamp_identification.discovery.grammar import terms
+from pipeclamp_identification.discovery.proposal import formula_of, toml_of
+from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.observations import data_scales, loop_observations
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.law.file import law_of
 
 RIVALS = "asymmetry", "end_stop", "exponential_stiffening", "gas_spring", "unilateral_contact"
 AMPLITUDES = (1.0, 2.0, 3.0, 4.0, 5.0)
@@ -122,3 +128,44 @@ def test_a_contact_within_the_first_half_of_a_one_sided_test_is_found(tmp_path):
     tests = moved_about(tmp_path / "c", 5.1, lambda y, v: 2 * y + 0.3 * v + 20 * np.maximum(y - 2.6, 0.0))
     law = pc.identify(tests, effects=("unilateral_contact",)).file
     assert law.coefficients["y_h"].value == pytest.approx(2.6, rel=0.02)
+
+
+def test_a_term_of_the_grammar_counts_from_where_the_tests_moved(tmp_path):
+    """A place within 15 mm of zero had been all that `discover` could write."""
+    tests = moved_about(tmp_path / "c", 85.0, lambda y, v: 30 * y + 0.6 * v + 1.5 * v * np.maximum(y - 86.5, 0.0))
+    beyond = "found_viscous_damping_positive_side"
+    (term,) = (one for one in terms(("A", "f"), {}, 85.0) if one.declaration.id == beyond)
+    assert formula_of(term.declaration).endswith("y counted from 85 mm")
+    (tmp_path / "term.toml").write_text(toml_of(term.declaration), encoding="utf-8")
+    law = pc.add(pc.identify(tests), tmp_path / "term.toml", tests)
+    values = {name: entry.value for name, entry in law.file.coefficients.items()}
+    assert (values["F_x"], values["y_x"]) == pytest.approx((1.5, 1.5), rel=0.02)
+
+
+RISING = """
+id = "rising"
+title = "damping that rises"
+looks_like = "the loop is wider above"
+force = "c_r * v * (y - y_n)"
+parameters = [
+    { symbol = "c_r", unit = "N s/mm2", meaning = "rate of damping", start = 0.1 },
+    { symbol = "y_n", unit = "mm", meaning = "place without any", start = 78.0 },
+]
+"""
+
+
+def test_a_law_is_asked_for_energy_where_its_tests_moved(tmp_path):
+    """Its damping drives below 79 mm: no motion about 85 mm gets there, all about zero do."""
+    tests = moved_about(tmp_path / "c", 85.0, lambda y, v: 30 * y + 0.2 * v * (y - 79.0))
+    (tmp_path / "rising.toml").write_text(RISING, encoding="utf-8")
+    file = pc.add(pc.identify(tests), tmp_path / "rising.toml", tests).file
+    about_zero = file.model_copy(update={"data": file.data.model_copy(update={"about_mm": None})})
+    assert [not creates_energy(one) for one in (file, about_zero)] == [True, False]
+
+
+def test_what_tells_two_terms_apart_is_sought_where_the_tests_moved(tmp_path):
+    """Two that differ from 86 mm on had been held against each other about zero, where neither acts."""
+    tests = moved_about(tmp_path / "c", 85.0, stopped)
+    law = law_of(pc.identify(tests, effects=("end_stop",)).file)
+    one, other = (replace(law, values={**law.values, "k_e": stiffness}) for stiffness in (50.0, 90.0))
+    assert "there they differ by" in telling_test(one, other, loops_of(read_campaign(tmp_path / "c")))
