@@ -141,7 +141,7 @@ def passivity(model: ClampModel, file: LawFile) -> Proof:
         file: the law.
     """
     law = law_of(file)
-    return _proof(law.structure, parameter_values(law), _ranges(model), file.data.about_mm or 0.0)
+    return _proof(law.structure, parameter_values(law), _ranges(model), model.about)
 
 
 @lru_cache(maxsize=8)
@@ -161,7 +161,7 @@ def require_passive(model: ClampModel, file: LawFile) -> None:
         UserError: it would.
     """
     law = law_of(file)
-    _require_passive(model.name, law.structure, parameter_values(law), _ranges(model), file.data.about_mm or 0.0)
+    _require_passive(model.name, law.structure, parameter_values(law), _ranges(model), model.about)
 
 
 @lru_cache(maxsize=8)

@@ -59,7 +59,7 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     force = usual(law.step(law.coefficients(A, f, T, *middles), start, 0.0, A, 0.0, 1 / (4 * f))[0])
     farthest = RANGE_MARGIN * model.range_A[1] / 1000
     fastest = 2 * math.pi * RANGE_MARGIN * model.range_f[1] * farthest
-    s = usual(A / 1000)
+    s, about = usual(A / 1000), model.about / 1000
     v = usual(2 * math.pi * f * A / 1000)
 
     def amplitude(text: str) -> Quantity:
@@ -77,7 +77,14 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     range_A, range_f = in_range(model.range_A, "mm"), in_range(model.range_f, "Hz")
     range_T = in_range(model.range_T, "K") if model.range_T else "(its law was identified without)"
     return {
-        "flange.s": Quantity("displacement of the clamp at the end of the step", "m", "mm", -farthest, farthest, s),
+        "flange.s": Quantity(
+            "displacement of the clamp at the end of the step",
+            "m",
+            "mm",
+            min(0.0, about) - farthest,
+            max(0.0, about) + farthest,
+            usual(max(A / 1000, abs(about))),
+        ),
         "flange.v": Quantity("its velocity at the end of the step", "m/s", "mm/s", -fastest, fastest, v),
         "T_in": temperature(f"temperature from outside, used where useTemperatureInput is true {range_T}"),
         "A": amplitude(f"amplitude of the motion {range_A}"),

@@ -100,6 +100,7 @@ class ClampModel:
         history, fit: for the documentation: the error step by step, and how well the law fits.
         start: what the FMU starts with.
         behind: what is known of the law's uncertainty and origin.
+        about: displacement about which its tests moved, mm; 0 where that is about zero.
     """
 
     name: str
@@ -116,6 +117,7 @@ class ClampModel:
     fit: FitQuality | None = None
     start: ClampStart = USUAL
     behind: Behind | None = None
+    about: float = 0.0
 
     @property
     def ranges(self) -> tuple[DataRange, ...]:

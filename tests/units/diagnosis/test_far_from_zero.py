@@ -11,6 +11,7 @@ from few_effects import few_effects
 
 import pipeclamp as pc
 from pipeclamp_fmu.build import creates_energy
+from pipeclamp_fmu.contents.clamp import quantities
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
@@ -93,7 +94,10 @@ def test_a_law_of_tests_about_85_mm_is_told_where_they_moved(tmp_path):
     assert law.file.data.about_mm == pytest.approx(85.0, rel=1e-3)
     words = str(law)
     assert "about 85 mm" in words
-    assert any("Its tests moved about 85 mm" in note for note in clamp_model(law.file).notes)
+    clamp = clamp_model(law.file)
+    assert any("Its tests moved about 85 mm" in note for note in clamp.notes)
+    place = quantities(clamp)["flange.s"]
+    assert (place.minimum <= 0.0, place.maximum > 0.09, place.nominal) == (True, True, 0.09)
     told = float(re.search(r"Hz\): ([\d.]+) ", words).group(1))
     # damping makes the stored energy a little larger
     assert told == pytest.approx(15 + 3e-4 * 85**2, rel=0.04)
