@@ -117,3 +117,19 @@ def test_earthquakes_on_a_measured_device(pipeclamp, measured_data, tmp_path):
     assert all(0.1 < run["nrmse"] < 2.0 for run in found["runs"])
     assert all(run["tracked_amplitude_mm"]["outside_share"] > 0.5 for run in found["runs"])
     assert "outside the law's range" in done.stdout
+
+
+def test_python_gives_a_free_motion_and_the_law_along_it(mixed):
+    """Only loops of sines had been given: an earthquake couldn't be drawn."""
+    found = pc.compare("emwm2", mixed())
+    along = found.free_motion("shaken")
+    error = (along["force_N"] - along["law_force_N"]).to_numpy()
+    (told,) = found.to_frame().filter(run="shaken")["nrmse"]
+    assert np.sqrt(np.mean(error**2) / np.mean(along["force_N"].to_numpy() ** 2)) == pytest.approx(told, rel=1e-6)
+    assert np.all(np.diff(along["time_s"].to_numpy()) > 0)
+    with pytest.raises(pc.UserError, match=r"no sine; .*or \.free_motion for it"):
+        found.loop("shaken")
+    with pytest.raises(pc.UserError, match=r"'2\.0': its motion is a sine; .*or \.loop for it"):
+        found.free_motion("2.0")
+    with pytest.raises(pc.UserError, match="did you mean 'shaken'"):
+        found.free_motion("shakn")

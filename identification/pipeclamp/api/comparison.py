@@ -20,6 +20,7 @@ from pipeclamp_models.base.toml_file import unknown
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
+    from pipeclamp_identification.comparison.compare import Comparison as HeldToRecords
     from pipeclamp_models.base.tables import pl
 
 
@@ -91,18 +92,16 @@ class Comparison(Shown):
         >>> compare("emwm2", "clamp_a").loop("A1_f3_T20").columns
         ['phase_deg', 'displacement_mm', 'velocity_mm_s', 'force_N', 'law_force_N']
         """
-        from pipeclamp_identification.comparison.compare import Comparison as HeldToRecords
         from pipeclamp_identification.comparison.drawn import drawn_run
         from pipeclamp_identification.comparison.laws import laws_held
         from pipeclamp_models.base.tables import pl
 
-        held = self._held
-        if not isinstance(held, HeldToRecords):
-            raise UserError(f"run {run!r}: these tests are metrics without records; expected records of the loops")
+        held = self._held_to_records(run)
         sines = [each.run for each in held.runs]
         if run not in sines:
-            free = ": its motion is no sine" if run in [each.run for each in held.free] else ""
-            raise UserError(f"run {run!r}{free}; expected a run of a sine" if free else unknown(run, sines, "run"))
+            if run in [each.run for each in held.free]:
+                raise UserError(f"run {run!r}: its motion is no sine; expected a run of a sine, or .free_motion for it")
+            raise UserError(unknown(run, sines, "run"))
         drawn = drawn_run(held.loops, laws_held([(self.law.file, held)]), sines.index(run))
         return pl.DataFrame(
             {
@@ -110,6 +109,43 @@ class Comparison(Shown):
                 "force_N": drawn.measured, "law_force_N": drawn.laws[0],
             }
         )  # fmt: skip
+
+    def free_motion(self, run: str) -> pl.DataFrame:
+        """Give a run of free motion as measured, and the law's force along it.
+
+        Args:
+            run: its name in runs.csv, as in `to_frame`.
+
+        Returns:
+            a row a sample: time_s from the record's beginning, displacement_mm and velocity_mm_s (smoothed), force_N as
+            measured, law_force_N, and amplitude_mm and frequency_Hz as the law tracks them.
+
+        Raises:
+            UserError: there is no such run, its motion is a sine, or the tests are metrics alone.
+        """
+        from pipeclamp_models.base.tables import pl
+
+        held = self._held_to_records(run)
+        motions = {each.run: each for each in held.free}
+        if run not in motions:
+            if run in [each.run for each in held.runs]:
+                raise UserError(f"run {run!r}: its motion is a sine; expected a run of free motion, or .loop for it")
+            raise UserError(unknown(run, list(motions), "run of free motion"))
+        found = motions[run]
+        return pl.DataFrame(
+            {
+                "time_s": found.time, "displacement_mm": found.y, "velocity_mm_s": found.v,
+                "force_N": found.measured, "law_force_N": found.computed,
+                "amplitude_mm": found.amplitude, "frequency_Hz": found.frequency,
+            }
+        )  # fmt: skip
+
+    def _held_to_records(self, run: str) -> HeldToRecords:
+        from pipeclamp_identification.comparison import compare as records
+
+        if not isinstance(self._held, records.Comparison):
+            raise UserError(f"run {run!r}: these tests are metrics without records; expected records of the loops")
+        return self._held
 
     def __repr__(self) -> str:
         """Give law, tests and error."""
