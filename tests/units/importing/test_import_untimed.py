@@ -25,6 +25,7 @@ from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.files import write_folder
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.motion import sinusoids
 
 AMPLITUDES = (0.4, 0.8, 1.2, 1.6, 2.0)
 OF_TIME = {
@@ -262,8 +263,9 @@ def test_a_diagnosis_asks_no_effect_of_time(tmp_path):
 def test_no_term_of_time_is_proposed_where_none_was_measured():
     def asked(known):
         loops = SimpleNamespace(time_measured=known, conditions={})
-        slow = {"A": np.array([[0.4], [0.8], [1.6]])}
-        problem = SimpleNamespace(loops=loops, observations=SimpleNamespace(motion=SimpleNamespace(slow=slow)))
+        A = np.array([0.4, 0.8, 1.6])
+        motion = sinusoids(A, np.ones_like(A), np.full_like(A, 293.15), 64)
+        problem = SimpleNamespace(loops=loops, observations=SimpleNamespace(motion=motion))
         return {term.declaration.id for term in terms_asked(problem)}
 
     gone = asked(True) - asked(False)
