@@ -105,7 +105,6 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float], about: float =
 
 def _force_term(family: Family, shape: Shape, scale: Scale | None, about: float) -> Term:
     """Give a term that adds a force, alone or scaled by what follows A, f, T or a further column."""
-    about = float(f"{about:.3g}")
     words = f", displacement counted from {about:g} mm" if about else ""
     words += f", scaled with {scale.words}" if scale else ""
     further = (scaling(f"by how much it follows {scale.words}", -0.5, 0.5),) if scale else ()

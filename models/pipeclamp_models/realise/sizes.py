@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import floor, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,10 +61,13 @@ def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
 
 
 def about(motion: Motion) -> float:
-    """Give the displacement about which R runs move, mm: that of the middle run; 0 where it is about zero."""
-    place, A = np.mean(motion.y, axis=1), motion.slow["A"][:, 0]
+    """Give the displacement about which R runs move, mm: that of the middle run; 0 where it is about zero.
+
+    It is read by people: digits that are small beside the amplitudes are left out.
+    """
+    place, A = np.mean(motion.y, axis=1), float(np.median(motion.slow["A"]))
     middle = float(np.sort(place)[(len(place) - 1) // 2])
-    return middle if abs(middle) > ABOUT_ZERO * float(np.median(A)) else 0.0
+    return round(middle, 1 - floor(log10(A))) if abs(middle) > ABOUT_ZERO * A else 0.0
 
 
 def _ends(motion: Motion) -> tuple[float, float]:
