@@ -17,7 +17,7 @@ from pipeclamp_models.realise.sizes import number_of
 TERMS = list(terms(("A", "f", "T", "N"), {"tension N": 40.0}))
 SIZES = {
     "A_typical": 0.5, "A_highest": 1.0, "F_typical": 900.0, "f_typical": 3.0, "f_lowest": 1.0, "f_highest": 10.0,
-    "T_lowest": 293.15, "T_highest": 573.15, "N_highest": 2000.0, **REFERENCES,
+    "T_lowest": 293.15, "T_highest": 573.15, "N_lowest": 1.0, "N_highest": 2000.0, **REFERENCES,
 }  # fmt: skip
 SAMPLES = {"element": 600}
 """Of a cycle; an element is walked sample by sample."""

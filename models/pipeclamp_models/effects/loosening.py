@@ -1,10 +1,10 @@
-"""Loosening or run-in: stiffness times 1 + l (1 - exp(-N/N_l)) with the load cycles N."""
+"""Loosening or run-in: stiffness times 1 + l (1 - exp(-N/N_l)) with the load cycles N, of which tests see a part."""
 
 import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import BOGRAD, JUNKER
-from pipeclamp_models.equations.symbols import N, N_highest
+from pipeclamp_models.equations.symbols import N, N_highest, N_lowest
 
 l_N, N_l = sp.symbols("l_N N_l", real=True)
 
@@ -26,7 +26,7 @@ EFFECT = Effect(
             "-",
             "cycles in which 63% of the change happen",
             (0.1 * N_highest, 0.3 * N_highest, N_highest),
-            lower=0.5,
+            lower=N_lowest,
             upper=3.0 * N_highest,
             neutral=1000.0,
             follows=(N,),

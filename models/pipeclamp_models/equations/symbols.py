@@ -100,12 +100,14 @@ f_highest = sp.Symbol("f_highest", positive=True)
 T_lowest = sp.Symbol("T_lowest", positive=True)
 T_highest = sp.Symbol("T_highest", positive=True)
 A_highest = sp.Symbol("A_highest", positive=True)
+N_lowest = sp.Symbol("N_lowest", positive=True)
 N_highest = sp.Symbol("N_highest", positive=True)
 y_middle = sp.Symbol("y_middle", real=True)
 y_reach = sp.Symbol("y_reach", positive=True)
 
 SCALES = (
-    A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest, N_highest, y_middle, y_reach,
+    A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest, N_lowest, N_highest,
+    y_middle, y_reach,
 )  # fmt: skip
 """Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
 

@@ -25,6 +25,8 @@ SAMPLES_PER_CYCLE = 128
 """Samples of a cycle that tell the size of a law's force."""
 CYCLES_OF_A_SERIES = 1000.0
 """Load cycles of a test series, where nothing says how many."""
+FIRST_CYCLE = 0.5
+"""Load cycles in the middle of the first one."""
 ABOUT_ZERO = 0.25
 """Share of the amplitude within which tests move about zero; those that load a part to one side move about 1."""
 
@@ -39,8 +41,10 @@ def data_sizes(motion: Motion, force_amplitude: Array) -> Sizes:
     slow = motion.slow
     A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
     bottom, top = _ends(motion)
+    cycles = slow.get("N", np.array([FIRST_CYCLE]))
     return {
-        "N_highest": max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
+        "N_lowest": max(FIRST_CYCLE, float(np.min(cycles))),
+        "N_highest": max(1.0, float(np.max(cycles))),
         "A_typical": float(np.median(A)),
         "A_highest": float(np.max(A)),
         "y_middle": (top + bottom) / 2,
@@ -97,7 +101,8 @@ def law_sizes(
     motion = sinusoids(A, f, T, SAMPLES_PER_CYCLE)
     added = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **added})
-    return data_sizes(motion, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
+    sizes = data_sizes(motion, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
+    return {**sizes, "N_lowest": FIRST_CYCLE}
 
 
 def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:

@@ -33,7 +33,14 @@ FUNCTIONS = (
 )  # fmt: skip
 SIZES = {
     **{"A_typical": 0.6, "A_highest": 1.0, "F_typical": 1500.0, "f_typical": 3.0, "f_lowest": 1.0, "f_highest": 5.0},
-    **{"T_lowest": 293.15, "T_highest": 573.15, "N_highest": 500.0, "u_current_A_size": 2.0, "u_column_size": 3.0},
+    **{
+        "T_lowest": 293.15,
+        "T_highest": 573.15,
+        "N_lowest": 1.0,
+        "N_highest": 500.0,
+        "u_current_A_size": 2.0,
+        "u_column_size": 3.0,
+    },
     **{"y_middle": 0.1, "y_reach": 1.1, "A_0": 1.0, "f_0": 1.0, "T_0": 293.15, "v_0": 1.0, "rho_0": 2.286},
 }
 
