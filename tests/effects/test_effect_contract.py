@@ -56,8 +56,8 @@ CYCLES_TO_FORGET = {("relaxation_spread",): 200}
 SCALES = {
     symbols.A_typical: 0.6, symbols.A_highest: 1.0, symbols.F_typical: 1500.0, symbols.f_typical: 3.0,
     symbols.f_lowest: 1.0, symbols.f_highest: 5.0, symbols.T_lowest: 293.15, symbols.T_highest: 573.15,
-    symbols.N_lowest: 1.0, symbols.N_highest: 500.0, symbols.y_middle: 0.0, symbols.y_reach: 1.0, symbols.condition_size("current_A"): 1.0,
-    **symbols.REFERENCES,
+    symbols.N_lowest: 1.0, symbols.N_highest: 500.0, symbols.y_middle: 0.0, symbols.y_reach: 1.0,
+    symbols.condition_size("current_A"): 1.0, **symbols.REFERENCES,
 }  # fmt: skip
 
 
