@@ -15,7 +15,8 @@ from pipeclamp_models.realise.sizes import number_of
 SHAPE = {"limit": 0.2, "speed": 1.0, "stop": 0.7, "sign": 1.0, "contact": 420.0, "cycles": 100.0, "tau": 0.06}
 SIZES = {
     "A_typical": 0.56, "A_highest": 1.0, "F_typical": 900.0, "f_typical": 2.5, "f_lowest": 1.0, "f_highest": 5.0,
-    "T_lowest": 293.15, "T_highest": 573.15, "N_lowest": 1.0, "N_highest": 1000.0, "y_middle": 0.0, "y_reach": 1.0, **REFERENCES,
+    "T_lowest": 293.15, "T_highest": 573.15, "N_lowest": 1.0, "N_highest": 1000.0, "y_middle": 0.0, "y_reach": 1.0,
+    **REFERENCES,
 }  # fmt: skip
 SAMPLES = 48
 """Of a cycle."""
