@@ -70,7 +70,7 @@ def clamp_model(file: LawFile, start: ClampStart = USUAL) -> ClampModel:
         history=file.history,
         fit=file.fit,
         start=start,
-        about=file.data.about_mm or 0.0,
+        about=file.about,
     )
 
 

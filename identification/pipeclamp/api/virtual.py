@@ -159,12 +159,12 @@ def rig(
         format: of the records: "csv", "csv.gz" or "parquet".
         progress: is told each run.
         settings: repeats of each combination (1); cycles (5) and ramp_cycles (0) of a record; rate, samples per second
-            (1000); force_noise (3 N) and displacement_noise (0.0002 mm), rms; force_step (0.1 N) and displacement_step
-            (0.0001 mm), quantisation; distortion, third harmonic of the drive, share (0.005); riding, small cycles on
-            the large one, share (0), and riding_order (7); amplitude_error, share (0.005), and temperature_error
-            (1 K), rms; force_drift (N/s), displacement_drift (mm/s), force_gain_drift (share per second); force_range
-            (N) and displacement_range (mm), where sensors end, 0 for nowhere; specimens (0) and specimen_scatter,
-            share; seed of the random numbers (0).
+            (1000); about, the displacement that the runs move about (mm; as the law's tests); force_noise (3 N) and
+            displacement_noise (0.0002 mm), rms; force_step (0.1 N) and displacement_step (0.0001 mm), quantisation;
+            distortion, third harmonic of the drive, share (0.005); riding, small cycles on the large one, share (0),
+            and riding_order (7); amplitude_error, share (0.005), and temperature_error (1 K), rms; force_drift (N/s),
+            displacement_drift (mm/s), force_gain_drift (share per second); force_range (N) and displacement_range (mm),
+            where sensors end, 0 for nowhere; specimens (0) and specimen_scatter, share; seed of the random numbers (0).
 
     Raises:
         UserError: law, effects, values and plan don't go together, or the folder is there or can't be written.

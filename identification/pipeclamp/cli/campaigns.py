@@ -76,6 +76,9 @@ def rig(
     displacement_noise: Annotated[float, typer.Option(help="Rms noise of the displacement sensor, mm.")] = 0.0002,
     force_step: Annotated[float, typer.Option(help="Quantisation of the force, N.")] = 0.1,
     displacement_step: Annotated[float, typer.Option(help="Quantisation of the displacement, mm.")] = 0.0001,
+    about: Annotated[
+        float | None, typer.Option(help="Displacement that the runs move about, mm; as the law's tests unless told.")
+    ] = None,
     distortion: Annotated[float, typer.Option(help="Third harmonic of the drive, share of the amplitude.")] = 0.005,
     riding: Annotated[float, typer.Option(help="Small cycles on the large one, share of its amplitude.")] = 0.0,
     riding_order: Annotated[int, typer.Option(help="So many of them a cycle.")] = 7,
@@ -117,6 +120,7 @@ def rig(
             displacement_noise=displacement_noise,
             force_step=force_step,
             displacement_step=displacement_step,
+            about=about,
             distortion=distortion,
             riding=riding,
             riding_order=riding_order,

@@ -72,8 +72,8 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
     lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]
     if about := plan.about_mm:
         lines.append(
-            f"The tests of {plan.law} moved about {about:.3g} mm: drive these runs about there. They are reckoned "
-            "about 0, where the law may be another."
+            f"The tests of {plan.law} moved about {about:.3g} mm, and so do these runs; their drive signals count from "
+            "there."
         )
     lines.append(
         "Order: temperatures rise, a block each; within it every condition once in random order, then in the reverse "

@@ -53,9 +53,9 @@ def loop_in_the_middle(file: LawFile) -> LoopInTheMiddle | None:
     if told is None or not told.names:
         return None
     law, conditions = law_of(file), middle_of_range(file)
-    motion = sinusoids(conditions["A"], conditions["f"], conditions.get("T", REFERENCES["T_0"]))
+    motion = sinusoids(conditions["A"], conditions["f"], conditions.get("T", REFERENCES["T_0"]), about=file.about)
     slow = {signal_in_range(name): np.full((1, 1), value) for name, value in conditions.items()}
-    motion = replace(motion, y=motion.y + (file.data.about_mm or 0.0), slow={**motion.slow, **slow})
+    motion = replace(motion, slow={**motion.slow, **slow})
     equations = law.equations
     law_force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
     places = np.array([equations.names.index(name) for name in told.names])

@@ -36,7 +36,7 @@ def bare_law(file: LawFile) -> Law:
 
 def peak_forces(file: LawFile, grid: Mapping[str, Array]) -> Array:
     """Give about the largest force of a file's base law at each condition of a grid, N, shape (R,)."""
-    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE)
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE, file.about)
     return 2 * np.sqrt(
         mean_squares_of(real_harmonics_of(force_of_law(bare_law(file), motion).force, HARMONICS_FORETOLD))
     )
@@ -61,6 +61,7 @@ def typical_law(file: LawFile, effect: str, grid: Mapping[str, Array]) -> Law:
         frequencies=tuple(np.unique(grid["f"]).tolist()),
         temperatures=tuple((np.unique(grid["T"]) - CELSIUS).tolist()),
         rate=max(TestPlan().rate, 20 * float(grid["f"].max())),
+        about=file.about,
     )
     law = truth_of(bare_file, (effect,), {}, sized).law
     if law.equations.slow_signals - LOOP_TEST_CONDITIONS:
@@ -85,7 +86,7 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
         UserError: as for `typical_law`.
     """
     law, bare = typical_law(file, effect, grid), bare_law(file)
-    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE)
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE, file.about)
     without = real_harmonics_of(force_of_law(bare, motion).force, HARMONICS_FORETOLD)
     own = [one for one in law.equations.composed.parameters if one.name not in bare.values]
     forces = {one.name: float(one.neutral or 0.0) for one in own if grows_with_force(one.unit)}

@@ -167,7 +167,7 @@ def _foretold(
     """Give slopes, error and what is off of `LoopTests`, and the largest force of each, N, shape (R,)."""
     own = law_of(law.file)
     equations = own.structure.equations_without_rig
-    motion = sinusoids(grid["A"], grid["f"], grid["T"])
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], about=law.file.about)
     others = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **others})
     force = force_of_equations(equations, own.vector(equations), (own.v_r, own.y_r), motion, derivatives=True)

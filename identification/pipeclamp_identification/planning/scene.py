@@ -124,7 +124,7 @@ def scene(
         scatter: rms share by which stiffness and damping differ from run to run.
         progress: told what is being done.
     """
-    bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], SAMPLES_PER_CYCLE)
+    bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], SAMPLES_PER_CYCLE, file.about)
     force, slopes = _foretold(bare, motion)
     between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, np.zeros_like(force)))
     covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + between_runs
@@ -133,7 +133,7 @@ def scene(
         np.zeros((0, *force.shape)),
     )  # fmt: skip
     few = _few(grid)
-    coarse = sinusoids(grid["A"][few], grid["f"][few], grid["T"][few], SAMPLES_PER_CYCLE // 2)
+    coarse = sinusoids(grid["A"][few], grid["f"][few], grid["T"][few], SAMPLES_PER_CYCLE // 2, file.about)
     trial = Trial(bare, coarse, covariance[few], HARMONICS_FORETOLD)
     found, does, left = dict[str, Hidden](), list[Array](), list[str]()
     for effect in listed():

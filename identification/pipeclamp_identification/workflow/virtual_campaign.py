@@ -88,6 +88,8 @@ def make_virtual_campaign(
     Raises:
         UserError: law, effects, values and plan don't go together, or the folder can't be written.
     """
+    if asked.about is None:
+        asked = replace(asked, about=file.about)
     runs_of = read_plan(plan) if plan else ()
     if drive:
         asked = driven(asked, read_drive(drive))

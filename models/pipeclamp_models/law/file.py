@@ -320,6 +320,11 @@ class LawFile(LawFilePart):
     command: str
     date: str | None = None
 
+    @property
+    def about(self) -> float:
+        """Displacement about which the tests moved, mm."""
+        return self.data.about_mm or 0.0
+
     @model_validator(mode="after")
     def _complete(self) -> LawFile:
         missing = {"v_r", "y_r"} - set(self.smoothing)

@@ -115,13 +115,18 @@ class Motion:
 
 
 def sinusoids(
-    amplitude: npt.ArrayLike, frequency: npt.ArrayLike, temperature: npt.ArrayLike, samples: int = 512
+    amplitude: npt.ArrayLike,
+    frequency: npt.ArrayLike,
+    temperature: npt.ArrayLike,
+    samples: int = 512,
+    about: float = 0.0,
 ) -> Motion:
-    """Give the motions A cos(2 pi f t) of one cycle.
+    """Give the motions y_m + A cos(2 pi f t) of one cycle.
 
     Args:
         amplitude: mm, frequency: Hz, temperature: K; shapes that broadcast to (R,).
         samples: samples in the cycle.
+        about: y_m, mm.
     """
     A, f, T = (
         np.atleast_1d(column)[:, None]
@@ -129,8 +134,9 @@ def sinusoids(
     )
     phase = 2 * np.pi * np.arange(samples) / samples
     omega = 2 * np.pi * f
-    y = A * np.cos(phase)
-    return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T}, 1.0 / (f * samples))
+    moved = A * np.cos(phase)
+    slow = {"A": A, "f": f, "T": T}
+    return Motion(about + moved, -A * omega * np.sin(phase), -(omega**2) * moved, slow, 1.0 / (f * samples))
 
 
 def refuse_unknown_conditions(slow: Iterable[str], motion: Motion) -> None:

@@ -86,6 +86,7 @@ def law_sizes(
     frequencies: Sequence[float],
     temperatures: Sequence[float],
     further: Mapping[str, float],
+    about: float = 0.0,
 ) -> Sizes:
     """Give the sizes of the loops of a law, in every combination of amplitude, frequency and temperature.
 
@@ -93,12 +94,13 @@ def law_sizes(
         law: the law.
         amplitudes: mm; frequencies: Hz; temperatures: K.
         further: further slow signals by name, the same in all loops.
+        about: displacement about which they move, mm.
 
     Raises:
         UserError: the law depends on a slow signal that isn't given.
     """
     A, f, T = (grid.ravel() for grid in np.meshgrid(amplitudes, frequencies, temperatures))
-    motion = sinusoids(A, f, T, SAMPLES_PER_CYCLE)
+    motion = sinusoids(A, f, T, SAMPLES_PER_CYCLE, about)
     added = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
     motion = replace(motion, slow={**motion.slow, **added})
     sizes = data_sizes(motion, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
@@ -114,7 +116,7 @@ def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:
         "rho": REFERENCES["rho_0"],
         **dict.fromkeys(conditions, 1.0),
     }
-    return law_sizes(law_of(file), A, f, T, further)
+    return law_sizes(law_of(file), A, f, T, further, file.about)
 
 
 def number_of(value: sp.Expr | float, sizes: Sizes) -> float:

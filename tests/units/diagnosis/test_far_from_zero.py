@@ -21,7 +21,10 @@ from pipeclamp_identification.discovery.proposal import formula_of, toml_of
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.observations import data_scales, loop_observations
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.planning.hidden import bare_law, law_of_size, peak_forces
 from pipeclamp_models.law.file import law_of
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
 RIVALS = "asymmetry", "end_stop", "exponential_stiffening", "gas_spring", "unilateral_contact"
 AMPLITUDES = (1.0, 2.0, 3.0, 4.0, 5.0)
@@ -173,3 +176,28 @@ def test_what_tells_two_terms_apart_is_sought_where_the_tests_moved(tmp_path):
     law = law_of(pc.identify(tests, effects=("end_stop",)).file)
     one, other = (replace(law, values={**law.values, "k_e": stiffness}) for stiffness in (50.0, 90.0))
     assert "there they differ by" in telling_test(one, other, loops_of(read_campaign(tmp_path / "c")))
+
+
+def test_a_plan_assesses_a_law_where_its_tests_moved(tmp_path):
+    """About zero the spring holds 150 N at most, where the part holds 2.5 kN; and no stop is reached."""
+    file = pc.identify(moved_about(tmp_path / "c", 85.0, lambda y, v: 30 * y + 0.6 * v)).file
+    grid = {"A": np.array([1.0, 5.0]), "f": np.array([1.0, 1.0]), "T": np.full(2, 293.15)}
+    assert peak_forces(file, grid) == pytest.approx(2 * 30 * 85, rel=0.01)
+    stop = law_of_size(file, "end_stop", 6.0, grid)
+    assert 85 < stop.values["y_e"] < 90
+    motion = sinusoids(*grid.values(), about=85.0)
+    beyond = force_of_law(stop, motion).force - force_of_law(bare_law(file), motion).force
+    assert np.sqrt(np.mean(beyond**2)) == pytest.approx(6.0, rel=0.05)
+
+
+def test_a_virtual_rig_moves_where_the_tests_of_its_law_did(tmp_path):
+    law = pc.identify(moved_about(tmp_path / "c", 85.0, lambda y, v: 30 * y + 0.6 * v))
+
+    def middle(name, **settings):
+        plan = {"amplitudes": [2.0], "frequencies": [1.0], "temperatures": [20.0], "rate": 200, **settings}
+        (run,) = read_campaign(pc.rig(law, tmp_path / name, **plan).folder).runs
+        y = run.record.displacement_mm
+        return np.ptp(y) / 2, np.mean(y), np.mean(run.record.force_N)
+
+    assert middle("there") == pytest.approx((2.0, 85.0, 30 * 85), rel=0.02)
+    assert middle("elsewhere", about=10.0) == pytest.approx((2.0, 10.0, 300.0), rel=0.02)

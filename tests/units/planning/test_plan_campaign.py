@@ -165,7 +165,7 @@ def test_where_no_time_was_measured_no_frequency_is_varied():
     assert plan.power.scene.effects == ("offset",)
     assert "relaxation" in plan.power.scene.not_reckoned
     words = " ".join(campaign_plan_words(plan))
-    assert "moved about 85 mm: drive these runs about there" in words
+    assert "moved about 85 mm, and so do these runs" in words
     assert "at any slow rate" in words and "Hz" not in words and "f=" not in words
     assert b"time_measured = false" in dict(plan_files(plan, "planned", "plan"))["campaign.toml"]
 

@@ -23,7 +23,7 @@ ZERO_OR_MORE = (
     "ramp_cycles", "force_noise", "displacement_noise", "force_step", "displacement_step", "distortion", "riding",
     "amplitude_error", "temperature_error", "force_range", "displacement_range", "specimen_scatter",
 )  # fmt: skip
-OF_EITHER_SIGN = ("force_drift", "displacement_drift", "force_gain_drift")
+OF_EITHER_SIGN = ("force_drift", "displacement_drift", "force_gain_drift", "about")
 """Fields of a plan by what they may be."""
 
 
@@ -50,6 +50,7 @@ class TestPlan:
         force_noise: rms of the force sensor's noise in N.
         displacement_noise: rms of the displacement sensor's noise in mm.
         force_step, displacement_step: quantisation in N and mm; 0 for none.
+        about: displacement about which the runs move, mm; None for that of the tests of the law that is run.
         distortion: third harmonic of the drive as a share of the amplitude.
         riding: small cycles that ride on the large one, as a share of its amplitude.
         riding_order: so many of them a cycle.
@@ -77,6 +78,7 @@ class TestPlan:
     displacement_noise: float = 0.0002
     force_step: float = 0.1
     displacement_step: float = 0.0001
+    about: float | None = None
     distortion: float = 0.005
     riding: float = 0.0
     riding_order: int = 7
@@ -111,7 +113,7 @@ class TestPlan:
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 raise UsageError(f"test plan: {name} is {getattr(self, name):g}; expected a number of at least 0")
         for name in OF_EITHER_SIGN:
-            if not np.isfinite(getattr(self, name)):
+            if not np.isfinite(getattr(self, name) or 0.0):
                 raise UsageError(f"test plan: {name} is {getattr(self, name):g}; expected a finite number")
 
     def _check_levels(self) -> None:

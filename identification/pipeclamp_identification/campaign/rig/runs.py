@@ -104,6 +104,7 @@ def _runs_at(
         if plan.drive
         else _drive(plan, drawn.A, frequency, drawn.shift, time)
     )
+    motion = motion._replace(y=motion.y + (plan.about or 0.0))
     truth = _true_force(law, drawn, conditions, motion, time, fine)
     kept = slice(lead, None, SUBSTEPS)
     for index, (run, rng) in enumerate(zip(drawn.runs, drawn.random, strict=True)):

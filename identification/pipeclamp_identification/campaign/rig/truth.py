@@ -132,7 +132,7 @@ def truth_of(
         further = {signal_in_plan(column): value for column, value in conditions.items()}
         temperatures = [T + CELSIUS for T in plan.temperatures]
         slow = {"N": plan.cycles, **further}
-        sizes = law_sizes(law, plan.amplitudes, plan.frequencies, temperatures, slow)
+        sizes = law_sizes(law, plan.amplitudes, plan.frequencies, temperatures, slow, plan.about or 0.0)
         typical = {parameter.name: number_of(parameter.size, sizes) for parameter in lacking}
     whence = {name: SET for name in values if name in equations.names} | dict.fromkeys(typical, TYPICAL)
     known_values = {**given, **typical}
