@@ -190,7 +190,8 @@ def noise_model(loops: Loops, shifted: Array, residual: Array | None = None) -> 
 
         def between_runs(direction: Array, most: float) -> float:
             weight, along = (
-                np.bincount(record, np.sum(values * direction / variance, axis=1)) for values in (direction, residual)
+                np.bincount(record, np.sum(values * direction / variance, axis=1)).astype(np.float64)
+                for values in (direction, residual)
             )
             return _scatter(along, weight, smooth, most)
 
@@ -211,7 +212,7 @@ def _scatter(along: Array, weight: Array, smooth: Array, most: float) -> float:
     Res. NBS 87, 1982: the mean over groups of unequal accuracy).
 
     Args:
-        along: each run's residual times the direction over the variance, summed over its harmonics and rows, shape (n,).
+        along: each run's residual times the direction over the variance, summed over harmonics and rows, shape (n,).
         weight: the direction's square over the variance, summed likewise, shape (n,).
         smooth: smooth functions of the runs' conditions, shape (n, q).
         most: the largest scatter that is told.
