@@ -27,6 +27,9 @@ LOW_HARMONICS = 7
 
 DRIFT = 5.0
 """Standard errors by which a trend of stiffness or damping along cycles must differ from none to be taken for real."""
+DRIFT_CHANCE = 0.01
+"""And runs that drift each its own way make such a trend with less than this chance: a drive's frequency that creeps up
+in one and down in the next moves damping, and few cycles tell their noise but roughly."""
 
 
 def drifts(loops: Loops) -> bool:
@@ -49,8 +52,12 @@ def drifts(loops: Loops) -> bool:
         return False
     # Errors from few cycles are rough: runs count by the median of their neighbours, not by luck.
     weight = np.minimum(weights, np.median(weights, axis=0))
-    trend = np.abs(np.sum(weight * slopes, axis=0))
-    return bool(np.any(trend > DRIFT * np.sqrt(np.sum(weight, axis=0))))
+    total = np.sum(weight, axis=0)
+    trend = np.sum(weight * slopes, axis=0) / total
+    free = len(slopes) - 1
+    between = np.sum((weight * (slopes - trend)) ** 2, axis=0) * len(slopes) / free
+    alike = of_larger_ratio(trend**2 * total**2 / np.maximum(between, np.finfo(np.float64).tiny), 1, free)
+    return bool(np.any((np.abs(trend) > DRIFT / np.sqrt(total)) & (alike < DRIFT_CHANCE)))
 
 
 @dataclass(frozen=True)
@@ -108,10 +115,10 @@ def lack_of_fit(
     ]
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN_VARIANCE
-    variance = np.where(seen, noise.total_variance(), 0.0)
+    variance = np.where(seen, noise.over_runs(noise.total_variance()), 0.0)
     expected = (leverage @ variance) * freedoms / smooth.shape[1]
     # Scatter is told by as many runs as smooth functions leave (Welch and Satterthwaite), noise by all samples.
-    free = max(runs - smooth.shape[1], 1)
+    free = max(noise.runs - smooth.shape[1], 1)
     of_noise = leverage @ np.where(seen, noise.variance, 0.0)
     scattered = 1 - np.divide(of_noise, leverage @ variance, out=np.ones(channels), where=of_noise > 0)
     told_by = free / np.maximum(scattered, SCATTERED) ** 2
@@ -121,7 +128,7 @@ def lack_of_fit(
     p_values.append(_least_likely(directed, fitted.residual, flat, free))
     by_channel, chance = _above_scatter(np.where(seen, plain, 0.0), expected, smooth, wanted)
     # What runs can't differ by is no scatter, however large that is.
-    own = leverage @ np.where(seen, noise.noise_and_mean(), 0.0) * freedoms / smooth.shape[1]
+    own = leverage @ np.where(seen, noise.over_runs(noise.noise_and_mean()), 0.0) * freedoms / smooth.shape[1]
     by_form, chance_of_form = _above_scatter(np.where(seen, noise.no_scatter(plain), 0.0), own, smooth, wanted)
     excess = _mean_and_loop(by_channel)
     least = np.maximum(excess - chance, _mean_and_loop(by_form) - chance_of_form)

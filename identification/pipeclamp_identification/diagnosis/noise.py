@@ -18,7 +18,7 @@ from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatte
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Poolings
 from pipeclamp_identification.fitting.observations import WeightedLoops
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis, trends
-from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.loops.loops import Loops, one_row_a_run
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce
 
@@ -88,12 +88,15 @@ class NoiseModel:
         directions: what of the harmonics goes with what scatters from run to run.
         scatter: from run to run.
         most_mean: scatter of the mean force, N, beyond which it would be no rig's.
+        stretches: into how many rows each row's run is parted, shape (R,). They are off alike, by what their run is
+            off by, so that none of them tells of scatter what another doesn't.
     """
 
     variance: Array
     directions: Directions
     scatter: RunScatter
     most_mean: float
+    stretches: Array | float = 1.0
 
     @property
     def is_no_rigs(self) -> bool:
@@ -122,6 +125,19 @@ class NoiseModel:
         variance[:, 0] += self.scatter.mean_N**2
         return variance
 
+    def over_runs(self, variance: Array) -> Array:
+        """Give by what each row counts where rows are summed that are off alike, N2, shape (R, 2 H + 1).
+
+        Args:
+            variance: of noise and scatter, of that shape.
+        """
+        return np.asarray(self.variance + np.reshape(self.stretches, (-1, 1)) * (variance - self.variance))
+
+    @property
+    def runs(self) -> int:
+        """How many runs the rows are of."""
+        return round(float(np.sum(1.0 / np.broadcast_to(self.stretches, len(self.variance)))))
+
     def no_scatter(self, residual: Array) -> Array:
         """Give residuals, N, shape (R, 2 H + 1), without what scatter of harmonics can make of them."""
         for direction in self.directions.all():
@@ -130,13 +146,15 @@ class NoiseModel:
         return residual
 
     def whitener(self, discrepancy: float = 0.0) -> Array:
-        """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m).
+        """Give the matrices that make each row's residuals independent with variance one, shape (R, m, m).
+
+        Rows of one run count less, so that together they tell of what their run is off by as one row does.
 
         Args:
             discrepancy: variance of each harmonic part that a law's form is granted besides the noise, N2.
         """
         size = self.variance.shape[1]
-        covariance = self.scatter.covariance(self.directions)
+        covariance = self.scatter.covariance(self.directions) * np.reshape(self.stretches, (-1, 1, 1))
         covariance[:, np.arange(size), np.arange(size)] += self.variance + discrepancy
         lower = np.linalg.cholesky(covariance)
         return np.asarray(np.linalg.solve(lower, np.broadcast_to(np.eye(size), covariance.shape)))
@@ -162,32 +180,45 @@ def noise_model(loops: Loops, shifted: Array, residual: Array | None = None) -> 
     harmonics[:, 1::2], harmonics[:, 2::2] = loops.force[:, 1:].real, loops.force[:, 1:].imag
     off = directions(harmonics, shifted)
     most_mean = MOST_SCATTER * float(np.median(loops.force_rms_N))
+    record = np.unique(loops.run, return_inverse=True)[1]
+    rows = np.bincount(record)
     scatter = RunScatter()
     if residual is not None:
-        smooth = smooth_basis(loops)
+        smooth = smooth_basis(one_row_a_run(loops))
         mean = np.zeros_like(variance)
         mean[:, 0] = 1.0
+
+        def between_runs(direction: Array, most: float) -> float:
+            weight, along = (
+                np.bincount(record, np.sum(values * direction / variance, axis=1)).astype(np.float64)
+                for values in (direction, residual)
+            )
+            return _scatter(along, weight, smooth, most)
+
         scatter = RunScatter(
-            stiffness=_scatter(residual, off.elastic, variance, smooth, MOST_SCATTER),
-            damping=_scatter(residual, off.damping, variance, smooth, MOST_SCATTER),
-            mean_N=_scatter(residual, mean, variance, smooth, most_mean),
-            zero_mm=_scatter(
-                residual, off.shifted, variance, smooth, MOST_SCATTER * float(np.median(loops.amplitude_mm))
-            ),
+            stiffness=between_runs(off.elastic, MOST_SCATTER),
+            damping=between_runs(off.damping, MOST_SCATTER),
+            mean_N=between_runs(mean, most_mean),
+            zero_mm=between_runs(off.shifted, MOST_SCATTER * float(np.median(loops.amplitude_mm))),
         )
-    return NoiseModel(variance, off, scatter, most_mean)
+    return NoiseModel(variance, off, scatter, most_mean, rows[record].astype(np.float64))
 
 
-def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array, most: float) -> float:
+def _scatter(along: Array, weight: Array, smooth: Array, most: float) -> float:
     """Estimate the scatter from run to run of the share by which a direction's force is off; not above `most`.
 
     Each run's share is its residual's weighted projection on the direction. What follows the conditions smoothly is
     taken for missing physics; the rest is as large as cycle noise and scatter together make it (Paule and Mandel, J.
     Res. NBS 87, 1982: the mean over groups of unequal accuracy).
+
+    Args:
+        along: each run's residual times the direction over the variance, summed over harmonics and rows, shape (n,).
+        weight: the direction's square over the variance, summed likewise, shape (n,).
+        smooth: smooth functions of the runs' conditions, shape (n, q).
+        most: the largest scatter that is told.
     """
-    weight = np.sum(direction**2 / variance, axis=1)
     known = weight > 0
-    share = np.sum(residual * direction / variance, axis=1)[known] / weight[known]
+    share = along[known] / weight[known]
     free: int = len(share) - smooth.shape[1]
     if free < 1:
         return 0.0

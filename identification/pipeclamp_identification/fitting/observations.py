@@ -32,6 +32,9 @@ GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
 GRID_NOISE_SHARE = 0.05
 """What the points err by is less than this share of the scatter: half of what is worth an effect."""
+POINTS_PER_SAMPLE = 2
+"""Between two points force goes straight, and at a reversal it doesn't. A sample within half a step of one is bridged;
+the next must lie beyond the point next to the reversal."""
 
 
 class Observations(Protocol):
@@ -93,7 +96,7 @@ def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Ar
 
 def _transforms(loops: Loops, samples: int) -> Array | None:
     """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
-    few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
+    few = [count < FEW_SAMPLES for count in _samples_per_cycle(loops)]
     if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1
@@ -331,11 +334,22 @@ def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObs
 
 
 def points_enough(loops: Loops) -> int:
-    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES_PER_CYCLE` at most."""
+    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES_PER_CYCLE` at most.
+
+    Where laws are seen through a record's own sampling, they lie close enough for that too.
+    """
+    per_cycle = _samples_per_cycle(loops)
+    sampled = POINTS_PER_SAMPLE * max((count for count in per_cycle if count < FEW_SAMPLES), default=0.0)
     points = 2 * FEWEST_SAMPLES_PER_CYCLE
-    while points < SAMPLES_PER_CYCLE and not GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse:
+    while points < SAMPLES_PER_CYCLE and not (
+        points >= sampled and GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse
+    ):
         points *= 2
     return points
+
+
+def _samples_per_cycle(loops: Loops) -> list[float]:
+    return [len(phase) / len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
 
 
 def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:

@@ -21,9 +21,13 @@ LEVELS_SCATTER = 1e-2
 
 
 def smooth_basis(loops: Loops) -> Array:
-    """Give the functions of the loops' conditions that count as smooth, one a column, shape (R, q)."""
+    """Give the functions of the loops' conditions that count as smooth, one a column, shape (R, q).
+
+    Stretches of one run show no more of what differs between runs than one of them.
+    """
     main = (loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K)
-    return smooth_functions(*main, (loops.density_g_cm3, loops.cycle, *loops.conditions.values()), loops.specimen)
+    further = (loops.density_g_cm3, loops.cycle, *loops.conditions.values())
+    return smooth_functions(*main, further, loops.specimen, runs=len(np.unique(loops.run)))
 
 
 def trends(loops: Loops) -> Array:
@@ -35,7 +39,13 @@ def trends(loops: Loops) -> Array:
 
 
 def smooth_functions(
-    amplitude: Array, frequency: Array, temperature: Array, further: Sequence[Array], specimen: Sequence[str | None]
+    amplitude: Array,
+    frequency: Array,
+    temperature: Array,
+    further: Sequence[Array],
+    specimen: Sequence[str | None],
+    *,
+    runs: int | None = None,
 ) -> Array:
     """Give the functions of conditions that count as smooth, one a column, shape (R, q).
 
@@ -46,16 +56,17 @@ def smooth_functions(
         amplitude: mm, frequency: Hz, temperature: K; shape (R,) each.
         further: further conditions, shape (R,) each.
         specimen: label of each run's specimen.
+        runs: how many runs these are of; as many as rows, if not stated.
     """
     main = _main(amplitude, frequency, temperature)
     specimens = _specimens(specimen)
-    runs = len(amplitude)
+    rows = len(amplitude)
     for degree in range(DEGREE, 0, -1):
-        functions = [*_monomials(main, degree, runs), *_powers(_varied(further), min(degree, 2)), *specimens]
+        functions = [*_monomials(main, degree, rows), *_powers(_varied(further), min(degree, 2)), *specimens]
         columns = _independent(functions)
-        if columns.shape[1] <= (1 - FREE_RUNS) * runs:
+        if columns.shape[1] <= (1 - FREE_RUNS) * (runs or rows):
             return columns
-    return np.full((runs, 1), 1 / np.sqrt(runs))
+    return np.full((rows, 1), 1 / np.sqrt(rows))
 
 
 def _specimens(specimen: Sequence[str | None]) -> list[Array]:

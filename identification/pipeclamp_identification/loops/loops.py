@@ -168,6 +168,14 @@ def by_stretch(loops: Loops) -> Loops:
     return Loops(stretches, loops.force_average, loops.time_measured)
 
 
+def one_row_a_run(loops: Loops) -> Loops:
+    """Return loops with one row for each run, in the order of their names: of its stretches the middle one."""
+    order = np.argsort(loops.run, kind="stable")
+    first, rows = np.unique(np.asarray(loops.run)[order], return_index=True, return_counts=True)[1:]
+    middle = order[first + rows // 2]
+    return Loops(tuple(loops.rows[place] for place in middle.tolist()), loops.force_average, loops.time_measured)
+
+
 def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:
     """Return x, or its derivative by theta, at theta_j = 2 pi j/count.
 

@@ -75,6 +75,32 @@ def test_what_no_run_can_differ_by_is_sure_however_much_scatters(form):
         assert np.mean(np.array(shares) < 0.1) > 0.9
 
 
+def test_stretches_of_a_run_are_off_alike_and_tell_of_scatter_once():
+    """Stretches had counted as runs: what scatters from run to run followed the conditions of a law that ages."""
+    random = np.random.default_rng(5)
+    A, f = np.array([(A, f) for A in AMPLITUDES for f in FREQUENCIES]).T
+    shape = (3 * len(A), CHANNELS)
+    damping = np.zeros(shape)
+    damping[:, 2] = 60.0 * np.repeat(A, 3)
+    cycle = np.tile([1.0, 2.0, 3.0], len(A)) + np.repeat(10.0 * random.permutation(len(A)), 3)
+    temperature, specimen = np.full(len(cycle), 293.15), [None] * len(cycle)
+    smooth = smooth_functions(np.repeat(A, 3), np.repeat(f, 3), temperature, (cycle,), specimen, runs=len(A))
+    none = np.zeros(shape)
+    chances = []
+    for _ in range(DRAWS):
+        off = np.repeat(0.02 * random.standard_normal((len(A), 1)), 3, axis=0) * damping
+        residual = off + 0.02 * NOISE * random.standard_normal(shape)
+        variance = np.full(shape, (0.02 * NOISE) ** 2)
+        model = NoiseModel(
+            variance, Directions(none, damping, none), RunScatter(damping=0.02), 0.0, np.full(len(A) * 3, 3.0)
+        )
+        assert model.runs == len(A)
+        fitted = Whitened(np.einsum("rij,rj->ri", model.whitener(), residual), np.zeros((*shape, 1)), np.zeros(0))
+        lack = lack_of_fit(fitted, residual, model, smooth, np.zeros((1, 1, *shape)), np.full(len(cycle), NOISE))
+        chances.append(lack.p_value)
+    assert np.mean(np.array(chances) < 0.01) < 0.03
+
+
 @pytest.mark.parametrize(
     ("share", "words"),
     [

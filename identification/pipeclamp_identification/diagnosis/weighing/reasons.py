@@ -51,7 +51,7 @@ def _scatter_words(problem: Problem) -> str:
 def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
     """Say that more scatters than on rigs; where repeats have shown so already, that is all."""
     words = f"{scatter_words(lack, problem)}: more than rigs have"
-    few = f"{words}, and these {len(problem.loops.run)} runs are too few to tell it from physics"
+    few = f"{words}, and these {problem.noise.runs} runs are too few to tell it from physics"
     return f"{few}; repeat some of them three times each" if repeat else words
 
 
@@ -59,7 +59,7 @@ def chance_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
     """Say that scatter may have made what follows the conditions, but that it is too much to trust the law."""
     few = (
         f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) seem to follow the conditions; scatter from run "
-        f"to run ({_scatter_words(problem)}) may make as much by chance, and these {len(problem.loops.run)} runs are "
+        f"to run ({_scatter_words(problem)}) may make as much by chance, and these {problem.noise.runs} runs are "
         "too few to tell"
     )
     return f"{few}; repeat some of them three times each" if repeat else few
@@ -110,7 +110,7 @@ def hidden_words(lack: LackOfFit, problem: Problem) -> str:
     return (
         f"{newtons(lack.rms)} ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
         f"catalogue takes half of it; scatter from run to run{size} may hide that it is up to {lack.most_share:.2g} "
-        f"times the force noise, and these {len(problem.loops.run)} runs are too few to tell; repeat some of them "
+        f"times the force noise, and these {problem.noise.runs} runs are too few to tell; repeat some of them "
         "three times each"
     )
 
