@@ -54,11 +54,11 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
     newtons, told = plan.power.from_newtons, plan.power.told
     count, among = int(told.sum()), len(scene.effects)
     if math.isfinite(newtons):
-        told_of = f"all {among} effects" if count == among else f"{count} of {among} effects"
+        told_of = f"all {among}" if count == among else f"{count} of {among}"
         first = (
-            f"In {plan.hours:.3g} rig hours this plan can tell {told_of}, and names {NAMED:.0%} of them where their "
-            f"rms force is above {newtons:.3g} N, {newtons / scene.force:.2%} of the clamp's own over the loops within "
-            f"the limits, {scene.force:.4g} N."
+            f"In {plan.hours:.3g} rig hours this plan can tell {told_of} effects that were assessed, and names "
+            f"{NAMED:.0%} of them where their rms force is above {newtons:.3g} N, {newtons / scene.force:.2%} of the "
+            f"clamp's own over the loops within the limits, {scene.force:.4g} N."
         )
     else:
         first = f"This plan names no effect in {plan.hours:.3g} rig hours."
