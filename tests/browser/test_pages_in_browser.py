@@ -131,6 +131,18 @@ def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pa
     page.wait_for_function("document.querySelector('#section-1 .picture').layout.yaxis.title?.text?.startsWith('RMS')")
 
 
+def test_what_is_wrapped_in_a_narrow_window_cuts_no_picture(pages, page):
+    """A title of three lines had pushed the axis' title, a legend's second line itself, below the picture's end."""
+    page.set_viewport_size({"width": 480, "height": 900})
+    open_page(page, pages / "diagnosis.html")
+    room = """[...document.querySelectorAll('.picture')].map((one) => [
+        one.querySelector('.gtitle')?.textContent.slice(0, 40),
+        one.clientHeight - one.querySelector('.main-svg').getBoundingClientRect().height])"""
+    found = page.evaluate(room)
+    assert len(found) > 8
+    assert [name for name, height in found if height < 0] == []
+
+
 def test_what_a_map_means_is_whole_where_the_map_goes_on(pages, page):
     page.set_viewport_size({"width": 320, "height": 900})
     open_page(page, pages / "compare.html")

@@ -80,6 +80,16 @@ def test_tests_put_together_and_laws_of_groups_lead_on(pipeclamp, tmp_path):
     assert "2 laws against" in (tmp_path / "compare.html").read_text(encoding="utf-8")
 
 
+def test_the_page_of_a_law_leads_to_what_it_lacks(pipeclamp, tmp_path):
+    """It had ended with the advice to diagnose, and no command."""
+    rig = ["--amplitudes", "0.3,0.9", "--frequencies", "1,4", "--temperatures", "20,150", "--rate", "100"]
+    pipeclamp("rig", "emwm2", "-o", "a", *rig, cwd=tmp_path)
+    _, words = next_of(pipeclamp("identify", "a", "-o", "law.json", "--report", "law.html", cwd=tmp_path))
+    assert words[:2] == ["compare", "law.json"]
+    page = (tmp_path / "law.html").read_text(encoding="utf-8")
+    assert "<code>pipeclamp diagnose law.json a --report diagnosis.html</code>" in page
+
+
 def test_a_study_leads_to_its_system(pipeclamp, tmp_path):
     banded(tmp_path, 1.0)
     (tmp_path / "study.toml").write_text(

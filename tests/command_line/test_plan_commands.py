@@ -71,7 +71,8 @@ def test_a_campaign_is_planned_and_tried_on_the_rig(tmp_path, pipeclamp):
     done = pipeclamp("plan", "-o", folder, *options)
     said = " ".join(done.stdout.split())
     told = json.loads(answer.read_text(encoding="utf-8"))
-    assert f"This plan names 90% of effects above {told['newtons']:.3g} N in {told['hours']:.3g} rig hours" in said
+    assert f"In {told['hours']:.3g} rig hours this plan can tell all {told['stages'][-1]['told']} effects " in said
+    assert f"names 90% of them where their rms force is above {told['newtons']:.3g} N, " in said
     page = report.read_text(encoding="utf-8")
     assert "What hours buy" in page
     lines = done.stdout.splitlines()

@@ -15,6 +15,7 @@ from project import EXAMPLES, ROOT
 
 import pipeclamp as pc
 from pipeclamp.cli.app import app, main
+from pipeclamp_models.realise import catalogue_answer
 
 PLAN = {"amplitudes": [0.3, 0.9], "frequencies": [1, 4], "temperatures": [20], "rate": 300, "seed": 3}
 STUDY = """name = "hot"
@@ -84,6 +85,25 @@ def test_the_catalogue_is_the_commands(pipeclamp, tmp_path):
     assert len(own) == len(catalogue) + 1
     assert pc.effects(declaration).names[0] in own
     assert pc.schema("effects")["title"] == "CatalogueAnswer"
+
+
+def test_frames_of_the_catalogue_typeset_no_equation(monkeypatch):
+    """They had taken 5 s for equations that they don't hold."""
+    one = pc.effects("memory:2")
+    (row,) = one.to_dict()["effects"]
+    frame, parameters = one.to_frame(), one.parameters()
+    assert frame.to_dicts() == [
+        {**{name: row[name] for name in frame.columns}, "imitated_by": ", ".join(row["imitated_by"])}
+    ]
+    assert parameters.to_dicts() == [{"effect": "memory:2", **each} for each in row["parameters"]]
+
+    def typeset(effect):
+        raise AssertionError(effect.name)
+
+    monkeypatch.setattr(catalogue_answer, "effect_statements", typeset)
+    again = pc.effects("memory:2")
+    assert again.to_frame().equals(frame)
+    assert again.parameters().equals(parameters)
 
 
 def test_a_virtual_campaign_is_the_commands(pipeclamp, tmp_path):

@@ -3,9 +3,11 @@
 import sys
 
 import pytest
-from project import EXAMPLES
+from project import EXAMPLES, ROOT
 
 from pipeclamp.__main__ import main
+
+LAW_FILE = ROOT / "models" / "pipeclamp_models" / "data" / "laws" / "emwm2.json"
 
 
 @pytest.fixture
@@ -65,6 +67,7 @@ def test_an_option_of_named_values_is_named(refused, monkeypatch, tmp_path, word
         (("build-fmu", "clamp_a", "-o", "x.fmu"), "clamp_a: a campaign; expected a law there"),
         (("build-fmu", EXAMPLES / "system.toml", "-o", "x.fmu"), "describes a system; expected a law there"),
         (("cosim", EXAMPLES / "pipe.toml", "-o", "x"), "describes a pipe; expected a system there"),
+        (("cosim", LAW_FILE, "-o", "x"), "is JSON, as a law's file is; expected a system there"),
         (("build-pipe", EXAMPLES / "system.toml", "-o", "x.fmu"), "describes a system; expected a pipe there"),
         (("sweep", EXAMPLES / "system.toml", "-o", "x"), "describes a system; expected a study there"),
         (("sweep", EXAMPLES / "pipe.toml", "-o", "x"), "describes a pipe; expected a study there"),

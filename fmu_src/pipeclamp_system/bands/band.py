@@ -16,6 +16,8 @@ HIGHEST_LEVEL = 99.9
 """Per cent that a band holds at most: beyond, what is known of the tails is too little."""
 NAMED_SHARE = 0.01
 """Share of a band's variance from which on its origin is named."""
+DIGITS = (4, 5, 6)
+"""Significant ones of a number with its band."""
 LEADING = 3
 """Quantities that are named as those which matter most."""
 
@@ -101,9 +103,17 @@ REMEDIES: Mapping[str, str] = {
 """What narrows a band most of which is of a kind."""
 
 
+def figures(band: Band) -> tuple[str, str, str]:
+    """Give a number and the ends of its band with four digits, more where the ends would look alike."""
+    told = [tuple(f"{one:.{digits}g}" for one in (band.value, band.low, band.high)) for digits in DIGITS]
+    value, low, high = next((each for each in told if each[1] != each[2]), told[0])
+    return value, low, high
+
+
 def ends_words(band: Band, unit: str, per_cent: float) -> str:
     """Give a number with the ends of its band."""
-    return f"{band.value:.4g} {unit} ({per_cent:g}%: {band.low:.4g} to {band.high:.4g})"
+    value, low, high = figures(band)
+    return f"{value} {unit} ({per_cent:g}%: {low} to {high})"
 
 
 def origin_words(name: str, band: Band) -> list[str]:

@@ -9,12 +9,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp.api.shown import PathOrName, Told, called_from_python, frame_of, path_of
-from pipeclamp_models.realise.catalogue_answer import CatalogueAnswer, asked_effects, catalogue_answer
+from pipeclamp_models.realise.catalogue_answer import (
+    CatalogueAnswer,
+    asked_effects,
+    catalogue_answer,
+    parameter_answers,
+)
 
 if TYPE_CHECKING:
     from pipeclamp.show.table import Table
     from pipeclamp_models.base.tables import pl
     from pipeclamp_models.equations.effect import Effect
+
+COLUMNS = (
+    ("effect", "name"),
+    *((name, name) for name in ("id", "part", "does", "looks_like", "imitated_by", "told_apart_by", "source")),
+)
+"""Of a frame of effects, with what of an effect each shows."""
 
 
 class Catalogue(Told):
@@ -65,15 +76,20 @@ class Catalogue(Told):
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row an effect: name, part (clamp, rig or base), what it does and looks like, what imitates it."""
+        # the answer's equations take seconds to typeset, and are no column
         return frame_of(
-            [{**row, "imitated_by": ", ".join(row["imitated_by"])} for row in self.to_dict()["effects"]]
-        )  # fmt: skip
+            [
+                {
+                    name: ", ".join(value) if isinstance(value := getattr(one, of), tuple) else value
+                    for name, of in COLUMNS
+                }
+                for one in self._effects
+            ]
+        )
 
     def parameters(self) -> pl.DataFrame:
         """Give a row a parameter: effect, symbol, unit, meaning, bounds, typical size for the loops of clamp emwm2."""
-        return frame_of(
-            [{"effect": row["effect"], **one} for row in self.to_dict()["effects"] for one in row["parameters"]]
-        )  # fmt: skip
+        return frame_of([{"effect": name, **one.to_dict()} for name, one in parameter_answers(self._effects)])
 
     def _told(self) -> tuple[Sequence[Table], Sequence[str]]:
         from pipeclamp.show import effects as shown

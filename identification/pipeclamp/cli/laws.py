@@ -137,6 +137,7 @@ def identify(
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
     from pipeclamp.show.law import per_group_table
+    from pipeclamp_identification.workflow.after_comparison import after_comparison
     from pipeclamp_identification.workflow.next_command import after_group_laws, after_identification
     from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
@@ -176,7 +177,9 @@ def identify(
         from pipeclamp.pages.sections import law_page
 
         about = f"identified from {tests.name}"
-        write_report(report, f"Law {file.name}", about, law_page(file, found.held), command_called())
+        # the page holds the comparison already
+        following = after_comparison(str(output), str(campaign), found.held)
+        write_report(report, f"Law {file.name}", about, law_page(file, found.held, following), command_called())
     write_whole(output, law_text(file))
     _print_law(file, output)
     print_next(after_identification(str(output), str(campaign)))

@@ -6,6 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import GRID, INK, MODEL, SERIES, Report, Section, log_axis, styled
+from pipeclamp.pages.pictures import LIGHT_BLUES
 from pipeclamp.show.narrowing import band_plan_words, tests_table
 from pipeclamp_identification.planning.band_plan import BandPlan, Map, NextLoopTest
 from pipeclamp_identification.workflow.next_step import NextStep
@@ -65,8 +66,8 @@ def map_picture(one: Map, tests: tuple[NextLoopTest, ...]) -> go.Figure:
         left[place] = np.fmin(left[place], share)
     figure = go.Figure(
         go.Contour(
-            x=f, y=A, z=100 * left, colorscale="Blues_r", connectgaps=False, line={"color": GRID},
-            contours={"showlabels": True, "labelfont": {"size": 11}},
+            x=f, y=A, z=100 * left, colorscale=LIGHT_BLUES[::-1], connectgaps=False, line={"color": GRID},
+            contours={"showlabels": True, "labelfont": {"size": 11, "color": INK}},
             colorbar={"title": {"text": "left / %"}},
             hovertemplate="%{y:.3g} mm, %{x:.3g} Hz: %{z:.3g}% left<extra></extra>",
         )

@@ -24,6 +24,7 @@ ALONE_HEIGHT = 440
 PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 250, 200
 LEAST_PANEL_WIDTH = 230
 FEW = 12
+DIGITS = range(3, 7)
 LIGHT_BLUES = sample_colorscale("Blues", np.linspace(0.0, 0.6, 7).tolist())
 """Light enough for dark numbers in the cells, six to one at least, also where the page is dark."""
 PUBLISHED_BESIDE = "published "
@@ -200,8 +201,11 @@ def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: s
 
 
 def few(values: Array) -> list[str] | Array:
-    """Give few values as names, so that cells are alike in size whatever lies between them."""
-    return [f"{value:g}" for value in values] if len(values) <= FEW else values
+    """Give few values as names of no more digits than tell them apart: cells are then alike in size."""
+    if len(values) > FEW:
+        return values
+    names = ([f"{value:.{digits}g}" for value in values] for digits in DIGITS)
+    return next((each for each in names if len(set(each)) == len(values)), values)
 
 
 def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:

@@ -156,9 +156,9 @@ def rung_words(ladder: Sequence[Rung]) -> list[str]:
     return [" ".join(map(sentence, (f"{number}: {rung.said()}", *rung.words))) for number, rung in enumerate(ladder, 1)]
 
 
-def law_page(file: LawFile, held: Held) -> list[Section]:
-    """Give the page of a law and of how it stands against the tests that it was fitted to."""
-    answer = Section("Answer", _answer(held), figures=_falling(file, ()))
+def law_page(file: LawFile, held: Held, next_command: str = "") -> list[Section]:
+    """Give the page of a law and of how it stands against its tests, with the shell line to run next."""
+    answer = Section("Answer", _answer(held), figures=_falling(file, ()), command=next_command)
     return [answer, *_difference([(file, held)], 0), *law_sections(file), *_details(held)]
 
 

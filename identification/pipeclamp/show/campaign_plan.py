@@ -49,15 +49,16 @@ def effects_table(plan: CampaignPlan) -> Table:
 
 
 def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[str]:
-    """Say what a campaign names in how many hours, when to stop, and what was reckoned with."""
+    """Say what a campaign names in how many hours, when to stop, and what was assumed."""
     scene = plan.power.scene
     newtons, told = plan.power.from_newtons, plan.power.told
     count, among = int(told.sum()), len(scene.effects)
     if math.isfinite(newtons):
+        told_of = f"all {among}" if count == among else f"{count} of {among}"
         first = (
-            f"This plan names {NAMED:.0%} of effects above {newtons:.3g} N in {plan.hours:.3g} rig hours: of the "
-            f"{count} of {among} that it can tell, in rms force over the loops within the limits, whose own is "
-            f"{scene.force:.4g} N."
+            f"In {plan.hours:.3g} rig hours this plan can tell {told_of} effects that were assessed, and names "
+            f"{NAMED:.0%} of them where their rms force is above {newtons:.3g} N, {newtons / scene.force:.2%} of the "
+            f"clamp's own over the loops within the limits, {scene.force:.4g} N."
         )
     else:
         first = f"This plan names no effect in {plan.hours:.3g} rig hours."
@@ -86,13 +87,13 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         lines.append(f"Not told by this plan in any size below the clamp's own force: {', '.join(untold)}.")
     if scene.not_reckoned:
         lines.append(
-            "Not reckoned, as they follow what these tests don't vary, or change what the base law hasn't got: "
+            "Not assessed, as they follow what these tests don't vary, or change what the base law hasn't got: "
             f"{', '.join(scene.not_reckoned)}."
         )
     asked, times = plan.asked, plan.asked.times
     limits = plan.limits if plan.timed else plan.limits.untimed
     lines.append(
-        f"Reckoned with the base of law {plan.law}, {asked.noise_N:g} N rms noise of the force at {asked.rate:g} "
+        f"Assessed with the base of law {plan.law}, {asked.noise_N:g} N rms noise of the force at {asked.rate:g} "
         f"samples a second, {asked.scatter:.2%} scatter from run to run, {times.heating:g} K a minute, "
         f"{times.soak_min:g} min at each new temperature, {times.pause_s:g} s between runs; within "
         f"{limits_words(limits)}. An effect of another form than the catalogue's needs more."

@@ -19,6 +19,7 @@ from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
 from pipeclamp_identification.fitting.groups_answer import group_words
 from pipeclamp_identification.fitting.heldout import left_out_at_once
+from pipeclamp_identification.workflow.next_command import NEXT_TEST
 from pipeclamp_identification.workflow.tests import Diagnosed
 
 LEAST_HELP = 0.005
@@ -101,7 +102,8 @@ def next_test_lines(found: Diagnosed, drive: Path | None) -> list[str]:
         lines = [f"No next test: {found.no_test}"] if found.no_test else []
         return [*lines, *([f"{drive} isn't written: no test is proposed"] if drive else [])]
     where = f"{drive} holds its drive signal" if drive else "--drive DRIVE.csv writes its drive signal"
-    return [f"Next test: {found.proposal.words()}", f"  {where}: {found.proposal.drive_words()}"]
+    then = [f"  once it is run, `pipeclamp import` makes {NEXT_TEST} of its records, to be joined"] if drive else []
+    return [f"Next test: {found.proposal.words()}", f"  {where}: {found.proposal.drive_words()}", *then]
 
 
 def verdict_lines(found: Diagnosed, next_command: str, drive: Path | None) -> list[str]:

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TE
 from pipeclamp_identification.planning.band_plan import BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
 from pipeclamp_identification.planning.narrowing_search import WORTH_SHARE
-from pipeclamp_system.bands.band import NAMED_SHARE, Band, ends_words, origin_words
+from pipeclamp_system.bands.band import NAMED_SHARE, Band, ends_words, figures, origin_words
 
 
 def width(band: Band) -> float:
@@ -29,22 +29,22 @@ def tests_table(plan: BandPlan) -> Table:
     header = ("", "A / mm", "f / Hz", "T / °C", "peak / mm: low", "high", "width", "peak / Hz: low", "high")
     before = plan.before
     rows: list[tuple[str | float | None, ...]] = [
-        ("now", None, None, None, *_ends(before.amplitude, before.amplitude), before.frequency.low,
-         before.frequency.high)
-    ]  # fmt: skip
+        ("now", None, None, None, *_ends(before.amplitude, before.amplitude), *figures(before.frequency)[1:])
+    ]
     several = len({test.law for test in plan.tests}) > 1
     for number, test in enumerate(plan.tests, 1):
         name = f"after test {number}" + (f", of {test.law}" if several else "")
         rows.append(
             (name, test.amplitude_mm, test.frequency_Hz, test.temperature_C, *_ends(test.amplitude, before.amplitude),
-             test.frequency.low, test.frequency.high)
+             *figures(test.frequency)[1:])
         )  # fmt: skip
     rows.append(("at best", None, None, None, *_ends(plan.floor, before.amplitude), None, None))
     return Table(header, rows, f"{plan.per_cent:g}% band of the peak at {plan.point}, each test {RUNS_OF_A_TEST} times")
 
 
-def _ends(band: Band, before: Band) -> tuple[float, float, str]:
-    return band.low, band.high, f"{width(band) / width(before):.0%}" if width(before) > 0 else ""
+def _ends(band: Band, before: Band) -> tuple[str, str, str]:
+    share = f"{width(band) / width(before):.0%}" if width(before) > 0 else ""
+    return *figures(band)[1:], share
 
 
 def beyond_words(one: Map) -> str:

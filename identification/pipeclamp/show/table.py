@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from pipeclamp_identification.signals.digits import plain
+
 SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
 """What stands where a scatter would."""
 
@@ -19,10 +21,10 @@ class Table:
 
 
 def cell(value: str | float | None) -> str:
-    """Give a table cell's text."""
+    """Give a table cell's text: of a number four digits, without a power of ten where figures do (28000 N/mm)."""
     if value is None:
         return "–"
-    return value if isinstance(value, str) else f"{value:.4g}"
+    return value if isinstance(value, str) else plain(value, 4)
 
 
 def outside_head(outside: Mapping[str, str]) -> tuple[str, ...]:

@@ -136,16 +136,15 @@ def discover_task(project: Project, of: str) -> tuple[JobTask, str]:
     return JobTask("discover", f"Search a term that {of} lacks", command, given, of), law
 
 
-def build_line(project: Project, law: str, kind: str) -> str:
+def build_line(project: Project, law: str) -> str:
     """Give the line that builds a law's FMU."""
-    fmu = project.shown(f"{law}.fmu")
-    return shell_line("build-fmu", project.shown(f"{law}.json"), "-o", fmu, "--track", "--kind", kind)
+    return shell_line("build-fmu", project.shown(f"{law}.json"), "-o", project.shown(f"{law}.fmu"), "--track")
 
 
-def build_task(project: Project, law: str, kind: str) -> JobTask:
+def build_task(project: Project, law: str) -> JobTask:
     """Give the task that builds a law's FMU."""
-    given = {"law": str(project.path_of(law)), "fmu": project.shown(f"{law}.fmu"), "kind": kind}
-    return JobTask("build", f"Build the {kind} FMU of {law}", build_line(project, law, kind), given, law)
+    given = {"law": str(project.path_of(law)), "fmu": project.shown(f"{law}.fmu")}
+    return JobTask("build", f"Build the FMU of {law}", build_line(project, law), given, law)
 
 
 def report_line(project: Project, law: str) -> str:

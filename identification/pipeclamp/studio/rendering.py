@@ -100,7 +100,7 @@ def _command_lines(project: Project, name: str | None, diagnosis: DiagnosisShown
         "discover": commands.discover_line(project, name, project.upcoming),
         "report": commands.report_line(project, name),
         "respond": commands.response_line(project, name),
-        "build": commands.build_line(project, name, "python"),
+        "build": commands.build_line(project, name),
     }
 
 

@@ -204,7 +204,7 @@ class Pages:
         elif wanted == "discover":
             task, law = commands.discover_task(project, _text(asked, "law"))
         elif wanted == "build":
-            task = commands.build_task(project, _text(asked, "law"), str(asked.get("fmu", "python")))
+            task = commands.build_task(project, _text(asked, "law"))
         elif wanted == "report":
             task = commands.report_task(project, _text(asked, "law"))
         elif wanted == "respond":

@@ -107,12 +107,14 @@ def _write_diagnosis(found: Diagnosed, file: LawFile, campaign: str, law: str, l
     write_whole(shown, shown_diagnosis(found, file).json_text())
 
 
-def build(tell: Progress, *, law: str, fmu: str, kind: str) -> dict[str, Any]:
-    """Build the law's FMU."""
-    from pipeclamp.api.fmu import build_fmu
+def build(tell: Progress, *, law: str, fmu: str) -> dict[str, Any]:
+    """Build the law's FMU, of the kind that `build-fmu` makes unasked."""
+    from pipeclamp.api.fmu import FmuKind, build_fmu
+    from pipeclamp_fmu.native.compiler import default_platforms
 
+    kind: FmuKind = "native" if default_platforms(fmi=2) else "python"
     tell(f"build a {kind} FMU")
-    build_fmu(law, fmu, "native" if kind == "native" else "python", track=True)
+    build_fmu(law, fmu, kind, track=True)
     return {"file": Path(fmu).name}
 
 

@@ -16,6 +16,7 @@ from pipeclamp_identification.campaign.plausibility import SURE_STANDARD_ERRORS
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.campaign.seen import SeenFree, SeenRecord, SeenSine
+from pipeclamp_identification.signals.digits import newtons, plain
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
 from pipeclamp_models.base.arrays import Array
 
@@ -211,7 +212,7 @@ def force_words(free: Sequence[SeenFree]) -> tuple[str, ...]:
     mean = np.array([one.mean_force_N for one in free])
     if np.any(np.abs(mean) <= FAR * max(one.shown.amplitude_mm * abs(one.shown.stiffness) for one in free)):
         return ()
-    least, most = f"{np.min(mean):.4g}", f"{np.max(mean):.4g}"
+    least, most = plain(float(np.min(mean)), 4), plain(float(np.max(mean)), 4)
     shown = least if least == most else f"{least} to {most}"
     return (
         f"a mean force of {shown} N stands in all runs of free motion, more than twice the largest amplitude of the "
@@ -241,8 +242,8 @@ def _dead(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
     usual = float(np.median(force[seen]))
     return {
         runs[row].name: SensorFailure(
-            f"dead sensor: the force doesn't show the motion ({force[row]:.2g} N of its fundamental, {usual:.3g} N in "
-            "most runs)", "force", "dead", float(force[row]), "N",
+            f"dead sensor: the force doesn't show the motion ({force[row]:.2g} N of its fundamental, "
+            f"{newtons(usual)} in most runs)", "force", "dead", float(force[row]), "N",
         )
         for row in np.flatnonzero(~seen & (force < DEAD_BELOW * usual)).tolist()
     }  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
-from pipeclamp_identification.diagnosis.named import WITH
+from pipeclamp_identification.diagnosis.named import WITH, listed
 from pipeclamp_identification.diagnosis.thresholds import (
     BEYOND_DOUBT_DRAWS_SHARE,
     MATERIAL_PART_SHARE,
@@ -115,7 +115,7 @@ def _weighed(scales: MetricScales) -> MetricWeighed:
         return MetricWeighed("unknown", (), (patchwork, MORE_TESTS))
     named = _with_rivals(best, [*both, *sound])
     if len(named) > 1:
-        return MetricWeighed("ambiguous", named, (f"dW and W at these conditions can't tell {_from(named)}",))
+        return MetricWeighed("ambiguous", named, (f"dW and W at these conditions can't tell {_all(named)} apart",))
     gain = f"{_both(best)} explains {share:.0%} of what the metrics show missing"
     return MetricWeighed("missing", (best,), (gain, *_brings(best), _by_chance(best, scales)))
 
@@ -168,7 +168,7 @@ def _part(usable: Sequence[MetricJudged], scales: MetricScales) -> MetricWeighed
     form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
     further = (*form, *([_remains(scales)] if scales.much_remains else []))
     if len(named) > 1:
-        return MetricWeighed("ambiguous", named, (f"{takes}; dW and W can't tell {_from(named)}", *further))
+        return MetricWeighed("ambiguous", named, (f"{takes}; dW and W can't tell {_all(named)} apart", *further))
     return MetricWeighed("missing", named, (takes, *_brings(best), *further, _by_chance(best, scales)))
 
 
@@ -244,8 +244,8 @@ def _firsts(laws: Sequence[MetricJudged]) -> tuple[str, ...]:
     return distinct(each.effects[0] for each in laws)
 
 
-def _from(named: Sequence[MetricJudged]) -> str:
-    return " from ".join(map(_both, named))
+def _all(named: Sequence[MetricJudged]) -> str:
+    return listed([_both(one) for one in named])
 
 
 def _both(judged: MetricJudged) -> str:

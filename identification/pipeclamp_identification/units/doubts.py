@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeclamp_identification.signals.digits import newtons
+from pipeclamp_identification.signals.digits import newtons, plain
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 
@@ -145,12 +145,12 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
     if stiffness < SOFTEST and float(np.median([run.load for run in runs])) < WEAKEST:
         found.append(
             f"the force may be in kN, not N (factor 1000): {newtons(stiffness * amplitude)} of amplitude, "
-            f"{stiffness:.3g} N/mm of stiffness"
+            f"{plain(stiffness, 3)} N/mm of stiffness"
         )
     if stiffness > STIFFEST or amplitude < SMALLEST:
         found.append(
-            f"the displacement may be in m, not mm (factor 1000): {amplitude:.3g} mm of amplitude, {stiffness:.3g} "
-            "N/mm of stiffness"
+            f"the displacement may be in m, not mm (factor 1000): {amplitude:.3g} mm of amplitude, "
+            f"{plain(stiffness, 3)} N/mm of stiffness"
         )
     elif amplitude > LARGEST:
         found.append(f"the displacement may be in µm, not mm (factor 0.001): {amplitude:.4g} mm of amplitude")

@@ -111,7 +111,10 @@ def read_described(path: Path, model: type[Model], kind: str) -> Model:
     Raises:
         UserError: the file is missing, is not TOML, describes something else, or doesn't hold what the table expects.
     """
-    content = read_toml(path, f"the description of a {kind}")
+    text = read_text(path, f"the description of a {kind}, a TOML file")
+    if text.lstrip().startswith("{"):
+        raise UserError(f"{path}: is JSON, as a law's file is; expected {DESCRIBED[kind].expected}")
+    content = _parsed(text, str(path))
     others = [one for one, described in DESCRIBED.items() if one != kind and described.key in content]
     if others and DESCRIBED[kind].key not in content:
         raise UserError(f"{path}: describes a {others[0]}; expected {DESCRIBED[kind].expected}")

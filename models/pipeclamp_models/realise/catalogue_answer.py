@@ -95,6 +95,12 @@ def catalogue_answer(effects: Sequence[Effect]) -> CatalogueAnswer:
     return CatalogueAnswer(typical_for=TYPICAL_LAW, effects=tuple(_effect(effect, sizes) for effect in effects))
 
 
+def parameter_answers(effects: Sequence[Effect]) -> list[tuple[str, ParameterAnswer]]:
+    """Give each parameter of effects beside its effect's name, with sizes for the reference clamp."""
+    sizes = reference_sizes(effects)
+    return [(effect.name, _parameter(one, sizes)) for effect in effects for one in effect.parameters]
+
+
 def reference_sizes(effects: Iterable[Effect]) -> Sizes:
     """Give the sizes of the reference clamp's loops; what effects follow besides counts as 1."""
     followed = {str(signal) for effect in effects for one in effect.parameters for signal in one.follows}

@@ -227,7 +227,7 @@ def test_a_displacement_that_the_force_answers_is_the_clamps_own(write):
 
 def test_a_force_that_stands_far_off_is_told_and_kept(write):
     (told,) = read_campaign(write(setting("force_N", lambda F: F + 20000.0), table=ALONE)).remarks
-    assert told.startswith("a mean force of 2e+04 N stands in all runs of free motion")
+    assert told.startswith("a mean force of 20000 N stands in all runs of free motion")
     assert read_campaign(write(setting("force_N", lambda F: F + 1000.0), table=ALONE, folder="near")).remarks == ()
 
 

@@ -140,6 +140,8 @@ def test_the_drive_is_drawn_and_named(answer, tmp_path):
     assert "6 at full amplitude" in " ".join(section.paragraphs)
     lines = next_test_lines(answer, tmp_path / "drive.csv")
     assert "drive.csv holds its drive signal" in lines[1]
+    assert "`pipeclamp import` makes next_test of its records" in lines[2], "which the next line joins"
+    assert re.search(r"can't tell \w+(, \w+)* and \w+ apart", " ".join(answer.words()))
     assert "--drive DRIVE.csv writes" in next_test_lines(answer, None)[1]
     none = next_test_lines(replace(answer, limits=parse_limits("F=..100")), tmp_path / "drive.csv")
     assert none[0].startswith("No next test: ")

@@ -24,11 +24,13 @@ STATED = [
     (["Température d'essai", "23", "°C"], 23.0),
     (["Temperatura di prova", "23", "°C"], 23.0),
     (["Temperatura de ensayo: 23 °C"], 23.0),
+    (["Specimen : Temperature (C)", "23"], 23.0),
 ]
 OPEN = [
     ([["Temperature", "23"]], "states no unit"),
     ([["Raumtemperatur", "21", "°C"]], "may be another than the test's"),
     ([["Oil temperature: 45 °C"]], "may be another than the test's"),
+    ([["Environment : Temperature (C)", "23"]], "may be another than the test's"),
     ([["Prüftemperatur", "80", "°C"], ["Temperature: 23 °C"]], "don't agree"),
 ]
 NONE = [

@@ -206,6 +206,16 @@ def test_milliseconds_of_a_microcontroller_are_its_time():
     assert '--columns "time=Millis [ms],displacement=Linear_Pot [mm],force=Load_Cell [N]"' in str(told.value)
 
 
+def test_the_axis_of_a_spectrum_is_proposed_for_no_time():
+    """It had been "time=Freq_domain [s]": it rises as a time does."""
+    t = np.arange(200) / 100
+    samples = {"disp_mm": np.sin(6 * t), "force_N": np.cos(6 * t), "Freq_domain": t}
+    channels = tuple(Channel(name, "", values) for name, values in samples.items())
+    with pytest.raises(UserError, match="expected its samples per second, for example --rate 1000") as told:
+        refuse_open_questions("a.mat", map_columns(RawTable("", channels)))
+    assert "Freq_domain" not in str(told.value)
+
+
 def test_a_rate_of_change_is_proposed_last():
     """Of a damper's record without names, the speed beside the displacement had been proposed for the force."""
     t = np.arange(200) / 100

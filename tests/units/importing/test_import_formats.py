@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from importlib.util import find_spec
 
 import numpy as np
@@ -64,3 +65,45 @@ def test_content_counts_before_the_ending(tmp_path):
     (tmp_path / "b.tdms").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
     with pytest.raises(pc.UserError, match="is no NI TDMS file, by its first bytes"):
         read_file(tmp_path / "b.tdms")
+
+
+def test_a_tdms_file_that_breaks_off_is_told(tmp_path):
+    """Of a half copy the force had half of its samples, the temperature none, and nothing was said."""
+    pytest.importorskip("nptdms")
+    run = loop(0.5, 2.0, cycles=8)
+    WRITERS["TDMS"].write(tmp_path / "whole.tdms", run)
+    whole = (tmp_path / "whole.tdms").read_bytes()
+    samples = len(run.time)
+    (tmp_path / "most.tdms").write_bytes(whole[: -8 * (samples // 4)])
+    found = pc.import_files(tmp_path / "most.tdms", tmp_path / "c")
+    assert f"most.tdms: the file breaks off: {samples - samples // 4} of {samples} samples are taken" in found.notes
+    record = found.tests().tests.campaign.runs[0].record
+    assert len(record.time_s) <= samples - samples // 4
+    (tmp_path / "half.tdms").write_bytes(whole[: -8 * (samples + samples // 2)])
+    with pytest.raises(pc.UserError, match=rf"breaks off: of 'Last' it holds none of {samples} samples; copy it again"):
+        pc.import_files(tmp_path / "half.tdms", tmp_path / "d")
+    assert not (tmp_path / "d").exists()
+
+
+def test_a_universal_file_that_breaks_off_is_told(tmp_path):
+    """A data set without its end isn't found: the file had been said to hold no channel of numbers."""
+    pytest.importorskip("pyuff")
+    WRITERS["UFF 58"].write(tmp_path / "a.uff", loop())
+    whole = (tmp_path / "a.uff").read_bytes()
+    for share in (0.2, 0.9):
+        (tmp_path / "half.uff").write_bytes(whole[: int(share * len(whole))])
+        with pytest.raises(
+            pc.UserError, match=r"half\.uff: breaks off within its last data set; export or copy it again"
+        ):
+            read_file(tmp_path / "half.uff")
+    (tmp_path / "half.uff").write_bytes(whole + b"\r\n\x1a\0\0")
+    assert read_file(tmp_path / "half.uff").tables
+
+
+def test_an_archive_of_exports_is_to_be_unpacked(tmp_path):
+    """It had been "no whole spreadsheet file (Cannot detect file format)"."""
+    pytest.importorskip("python_calamine")
+    with zipfile.ZipFile(tmp_path / "exports.zip", "w") as packed:
+        packed.writestr("a.csv", "time_s,displacement_mm,force_N\n0,0,0\n")
+    with pytest.raises(pc.UserError, match=r"is a ZIP archive of 'a\.csv', no spreadsheet; .* unpack it"):
+        read_file(tmp_path / "exports.zip")

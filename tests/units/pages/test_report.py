@@ -122,7 +122,9 @@ def test_the_same_content_gives_the_same_page():
     assert render("a", "b", sections) == render("a", "b", sections)
 
 
-@pytest.mark.parametrize(("value", "text"), [(None, "–"), ("x", "x"), (0.000123456, "0.0001235"), (1e7, "1e+07")])
+@pytest.mark.parametrize(
+    ("value", "text"), [(None, "–"), ("x", "x"), (0.000123456, "0.0001235"), (28000.4, "28000"), (1e7, "1e+07")]
+)
 def test_cells(value, text):
     assert cell(value) == text
 

@@ -31,6 +31,7 @@ from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_o
 from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.session import SessionStep
+from pipeclamp_fmu.native.compiler import default_platforms
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.rig.plan import TestPlan as Plan
 from pipeclamp_identification.campaign.rig.runs import virtual_runs
@@ -349,6 +350,16 @@ def test_jobs_are_followed_until_none_runs(studio):
     assert status == 200
     assert "attachment" in headers["content-disposition"]
     assert zipfile.ZipFile(io.BytesIO(content)).testzip() is None
+
+
+def test_the_fmu_is_that_of_the_line_beside_it(studio, home):
+    """It had been the one in Python, also where a compiler was found."""
+    job = studio.json(JOBS, {"kind": "build", "law": "law1"})
+    assert job["command"].endswith("law1.fmu --track")
+    assert studio.done(job)["state"] == "done"
+    _, _, content = studio.ask("/c/virtual/files/law1.fmu")
+    sources = any(name.startswith("sources/") for name in zipfile.ZipFile(io.BytesIO(content)).namelist())
+    assert sources == bool(default_platforms(fmi=2))
 
 
 def test_the_page_of_a_law_is_written(studio, home):

@@ -10,7 +10,7 @@ from banded import FORM, SPREAD, banded
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_system.bands.band import band_of, steps_of
+from pipeclamp_system.bands.band import Band, band_of, ends_words, steps_of
 from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import BandedSystem, banded_system, response_bands
 from pipeclamp_system.bands.varied import varied
@@ -90,3 +90,16 @@ def test_normal_steps_and_shares():
     band = band_of(10.0, slopes, what, 2.0, 1.0)
     assert band.deviation**2 == pytest.approx(float(what.covariance.sum()) + 1.0)
     assert band.beyond(band.high, 2.0) == pytest.approx(0.02275, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("ends", "told"),
+    [
+        ((4.3601, 4.36004, 4.36016), "4.3601 Hz (95%: 4.36 to 4.3602)"),
+        ((4.3601, 4.351, 4.369), "4.36 Hz (95%: 4.351 to 4.369)"),
+        ((4.3601, 4.3601, 4.3601), "4.36 Hz (95%: 4.36 to 4.36)"),
+    ],
+)
+def test_the_ends_of_a_narrow_band_are_told_apart(ends, told):
+    """Of a peak's frequency "4.36 Hz (95%: 4.36 to 4.36)" had been said."""
+    assert ends_words(Band(*ends, ends[0], 0.0, {}, ()), "Hz", 95.0) == told

@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import SERIES, Section
 from pipeclamp.show.table import Table
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.bands.band import Band
+from pipeclamp_system.bands.band import Band, figures
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KIND_WORDS
 from pipeclamp_system.bands.response_bands import PieceBand, ResponseBands
@@ -46,9 +46,9 @@ def bands_section(bands: ResponseBands) -> Section:
     rows: list[tuple[str | float, ...]] = []
     for curve, own in zip(bands.response.curves, bands.curves, strict=True):
         for point, peak in zip(bands.response.points, own.peaks, strict=True):
-            of_peak, of_frequency = ([band.value, band.low, band.high] for band in (peak.amplitude, peak.frequency))
             name = label(curve.temperature, curve.level)
-            rows.append((name, point, *of_peak, *of_frequency, *shares_of(peak.amplitude)))
+            ends = (*figures(peak.amplitude), *figures(peak.frequency))
+            rows.append((name, point, *ends, *shares_of(peak.amplitude)))
     table = Table(header, rows, f"peaks with their {bands.per_cent:g}% bands, and the shares of their variance")
     return Section("How sure", (*bands.words(), WORDS), [table])
 

@@ -116,13 +116,14 @@ function wrapped(line, most) {
 function drawIn(element, specification) {
   const { fitted, width } = fitting(element, specification);
   const { data, layout } = inLook({ data: fitted.data, layout: fitted.layout });
-  if (specification.narrow) element.style.height = fitted === specification ? "" : `${layout.height}px`;
   const seen = onPaper ? width : element.closest("figure")?.clientWidth || width;
   const scrolls = width > seen + 4;
   const titled = onPaper ? seen : Math.min(seen, width - BUTTONS);
   withTitleWrapped(layout, scrolls ? Math.min(seen - FADE, titled) : titled);
   withNamesWrapped(layout, data, scrolls ? seen - FADE : seen);
   if (scrolls) withLegendSeen(layout, data, seen - FADE);
+  // what was wrapped has made it higher
+  if (specification.narrow) element.style.height = fitted === specification ? "" : `${layout.height}px`;
   if (onPaper) layout.width = PAPER_WIDTH;
   const config = {
     responsive: !onPaper, displaylogo: false, modeBarButtons: [[saveButton("svg"), saveButton("png")]],

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct, ranked
 from pipeclamp_identification.diagnosis.foretold import explained_share, share_of_error
+from pipeclamp_identification.diagnosis.named import listed
 from pipeclamp_identification.diagnosis.objections import without_essence
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.screen import fits
@@ -69,7 +70,7 @@ def _one_of(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
     aside = [each for one in alike for each in _generals(one, scales)]
     names = distinct([*names, *(each.effects[0] for each in rivals_of(best, aside, scales.problem))])
     form = _form_left(best, scales)
-    reasons = (f"this data can't tell {' from '.join(names)}", *([form] if form else []))
+    reasons = (f"this data can't tell {listed(names)} apart", *([form] if form else []))
     return Weighed("ambiguous", names, "part" if form else "cause", best, None, reasons)
 
 

@@ -10,6 +10,7 @@ from pipeclamp_identification.diagnosis.foretold import (
     takes_part,
     worse_between_levels,
 )
+from pipeclamp_identification.diagnosis.named import listed
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
@@ -45,7 +46,7 @@ def _scatter_words(problem: Problem) -> str:
         shown.append(f"{newtons(noise.scatter.mean_N)} of the mean force")
     if noise.zero_shows:
         shown.append(f"{noise.scatter.zero_mm:.2g} mm of the displacement's zero")
-    return " and ".join(filter(None, [", ".join(shown[:-1]), *shown[-1:]]))
+    return listed(shown)
 
 
 def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:

@@ -161,6 +161,11 @@ def is_speed(channel: Channel) -> bool:
     return True
 
 
+def is_frequency(channel: Channel) -> bool:
+    """Tell whether a channel holds frequencies, as the axis of a spectrum does, by its name."""
+    return not set(SETTINGS_CALLED["frequency"]).isdisjoint(words_of(_name_of(channel)))
+
+
 def is_count(channel: Channel) -> bool:
     """Tell whether a channel counts cycles or samples, by its name."""
     return not COUNTS.isdisjoint(words_of(_name_of(channel)))

@@ -12,6 +12,7 @@ from pipeclamp_identification.importing.channels.naming import (
     fits_unit,
     is_count,
     is_extreme,
+    is_frequency,
     is_of_another,
     is_something_else,
     is_speed,
@@ -176,9 +177,9 @@ def _likely(quantity: Quantity, channels: Sequence[Channel]) -> list[Channel]:
 
 
 def _likely_times(channels: Sequence[Channel]) -> list[Channel]:
-    """Give the channels that rise as a time does; what is in a unit of something else is no time."""
+    """Give the channels that rise as a time does; what is in another unit, or a spectrum's axis, is no time."""
     fitting = [one for one in channels if unit_of(one) in NO_UNIT or fits_unit("time", unit_of(one))]
-    return [one for one in fitting if _rises(one.values)]
+    return [one for one in fitting if _rises(one.values) and not is_frequency(one)]
 
 
 def _likely_motions(channels: Sequence[Channel]) -> list[Channel]:

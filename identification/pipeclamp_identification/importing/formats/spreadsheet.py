@@ -44,6 +44,8 @@ REPEATED = re.compile(rb'number-(?:rows|columns)-repeated="(\d+)"[^>]*?(?:office
 HEADER_ROWS = 200
 FEWEST_NUMBERS = 2
 CLOCK = (datetime.timedelta, datetime.datetime, datetime.time)
+PARTS = ("[Content_Types].xml", "content.xml", "mimetype")
+"""Of a workbook, one of which every one holds."""
 
 
 def read(path: Path) -> Sequence[RawTable]:
@@ -69,6 +71,14 @@ def _refuse_sizes(path: Path) -> None:
     would go on.
     """
     with opened_archive(path, "a spreadsheet") as packed:
+        names = packed.namelist()
+        if not any(part in names for part in PARTS):
+            inside = (
+                f"of {len(names)} files ({names[0]!r}, ...)"
+                if len(names) > 1
+                else f"of {str(names)[1:-1] or 'nothing'}"
+            )
+            raise Damaged(f"is a ZIP archive {inside}, no spreadsheet; expected the files that are in it: unpack it")
         for member in packed.infolist():
             with packed.open(member) as stream:
                 chunks = iter(partial(stream.read, 1 << 20), b"")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,12 +19,26 @@ UNITS = 164
 """The data set of the file's system of units."""
 NOTHING = ("", "NONE", "None")
 BEGINS = re.compile(rb"\s*-1\s*\n\s*\d+b?[\s\d]*\n")
+END = b"    -1"
+"""What ends each data set, and so a file; of a binary one it follows the samples on the same line."""
+TAIL = 4096
+"""Bytes in which it is looked for."""
 
 
 def read(path: Path) -> Sequence[RawTable]:
-    """Read the time responses of a universal file, those of one length as a table."""
+    """Read the time responses of a universal file, those of one length as a table.
+
+    Raises:
+        Damaged: it breaks off, or claims what it can't hold.
+    """
     import pyuff
 
+    with path.open("rb") as stream:
+        stream.seek(-min(TAIL, path.stat().st_size), os.SEEK_END)
+        tail = stream.read().rstrip(b"\0\x1a \t\r\n")
+    if not tail.endswith(END):
+        # of an open data set nothing would be read, and nothing said
+        raise Damaged("breaks off within its last data set; export or copy it again")
     file = pyuff.UFF(str(path))
     kinds = [int(kind) for kind in file.get_set_types()]
     size = path.stat().st_size

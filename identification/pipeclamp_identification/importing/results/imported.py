@@ -16,6 +16,7 @@ from pipeclamp_identification.importing.answer import (
     import_answer,
     specimen_words,
 )
+from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.base.said import counted
 
 if TYPE_CHECKING:
@@ -105,6 +106,6 @@ def _weak_words(campaign: MetricCampaign) -> list[str]:
         return []
     return [
         f"the force's amplitude of {weak} of {counted(len(forces), 'test')} is below {WEAK:.0%} of the largest, "
-        f"{largest:.3g} N: each test counts alike, however little its load cell tells; where these scatter, take their "
-        "rows out of runs.csv"
+        f"{newtons(largest)}: each test counts alike, however little its load cell tells; where these scatter, take "
+        "their rows out of runs.csv"
     ]

@@ -14,10 +14,11 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.range import rounded
 
 STATEMENT = re.compile(
-    r"(?P<name>[^\d:=]*[^\W\d_][^\d:=]*?(?<=[\w\])}.%°]))\s*[:=]?\s*(?P<number>[-+\N{MINUS SIGN}]?\d+(?:[.,]\d+)?)\s*"
+    r"(?P<name>(?:[^\d:=]+ : )?[^\d:=]*[^\W\d_][^\d:=]*?(?<=[\w\])}.%°]))\s*[:=]?\s*"
+    r"(?P<number>[-+\N{MINUS SIGN}]?\d+(?:[.,]\d+)?)\s*"
     r"(?:(?:±|\+/?-)\s*\d+(?:[.,]\d+)?\s*)?(?P<unit>[^\d\s].*)?"
 )
-"""A name, a number, with a tolerance perhaps, and a unit."""
+"""A name, that of a group before it perhaps ("Environment : Temperature"); a number, its tolerance, and a unit."""
 LONGEST, LONGEST_WORD = 120, 40
 """Characters of a line that may state one, and of a word in it."""
 LETTER = "t"
