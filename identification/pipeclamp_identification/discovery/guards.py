@@ -260,7 +260,8 @@ def not_in_the_catalogue(
 ) -> Guard:
     """Ask whether a term does better than each effect of the catalogue, beyond doubt: effects win ties.
 
-    But for those that need what the term stands in the place of beside them and that no diagnosis names: of laws that
+    But for those that no diagnosis names, for physics speaks against them: a user would be left with nothing. And for
+    those that need what the term stands in the place of beside them and that the diagnosis doesn't name: of laws that
     do as well the shorter one stands.
 
     Args:
@@ -277,22 +278,24 @@ def not_in_the_catalogue(
             words = f"{WITH.join(effect.effects)} of the catalogue, beside all effects of the law, does "
             words += "as well; `add` it instead" if tie else "better"
             return Guard("beyond the catalogue", False, words)
+    nameless = ""
     for place, effect in enumerate(listed):
-        if not surely_better(found, effect, problem):
-            words = f"{WITH.join(effect.effects)} of the catalogue does as well"
-            if own and place == 0:
-                words = f"the law does as well with {' and '.join(effect.effects)}, which it has"
-            elif set(effect.effects) <= set(named):
-                words += "; `add` it instead"
-            elif effect.objections:
-                words += (
-                    f", though {effect.objections[0]}, for which no diagnosis names it; `add` it and see which of its "
-                    "parameters the tests determine"
-                )
-            else:
-                words += ", which the diagnosis doesn't name either: these tests don't tell"
-            return Guard("beyond the catalogue", False, words)
-    return Guard("beyond the catalogue", True, "no effect of the catalogue does as well")
+        if surely_better(found, effect, problem):
+            continue
+        words = f"{WITH.join(effect.effects)} of the catalogue does as well"
+        if own and place == 0:
+            words = f"the law does as well with {' and '.join(effect.effects)}, which it has"
+        elif set(effect.effects) <= set(named):
+            words += "; `add` it instead"
+        elif effect.objections:
+            words += f", though {effect.objections[0]}, for which no diagnosis names it"
+            if not surely_better(effect, found, problem):
+                nameless = nameless or f": {words}"
+                continue
+        else:
+            words += ", which the diagnosis doesn't name either: these tests don't tell"
+        return Guard("beyond the catalogue", False, words)
+    return Guard("beyond the catalogue", True, f"no effect that may be named does as well{nameless}")
 
 
 def passive(file: LawFile, before: LawFile) -> Guard:

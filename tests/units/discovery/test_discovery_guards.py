@@ -112,7 +112,7 @@ def test_a_term_that_does_as_well_as_the_best_comes_back(behind, alike, passes):
     [
         ((), ("oil_damper",), False, "does as well; `add` it instead"),
         ((), (), False, "does as well, which the diagnosis doesn't name either"),
-        (("k ran into its bound (9)",), (), False, "ran into its bound"),
+        (("k ran into its bound (9)",), ("oil_damper",), False, "does as well; `add` it instead"),
         ((), (), True, "the law does as well with oil_damper, which it has"),
     ],
 )
@@ -130,6 +130,21 @@ def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(obj
     assert not guard.passed
     assert told in guard.words
     assert ("`add` it instead" in guard.words) == bool(named)
+
+
+@pytest.mark.parametrize(("better", "passes"), [(0.0, True), (50.0, False)])
+def test_an_effect_that_physics_speaks_against_wins_no_tie(better, passes):
+    """Damping that begins beyond a velocity had been found, and refused for an oil damper of rigid oil.
+
+    Nobody could name that either, and the user was left with 1.45 times the error that was there to be had.
+    """
+    squares = np.full(12, 100.0)
+    score = SimpleNamespace(squares=squares - better)
+    effect = SimpleNamespace(effects=("oil_damper",), objections=("k ran into its bound (9)",), score=score)
+    found = SimpleNamespace(score=SimpleNamespace(squares=squares + np.repeat([1.0, -1.0], 6)))
+    guard = not_in_the_catalogue(found, [effect], SimpleNamespace(groups=np.repeat(np.arange(6), 2)))
+    assert guard.passed == passes
+    assert "oil_damper of the catalogue does as well, though k ran into its bound (9)" in guard.words
 
 
 def test_what_only_adds_to_a_term_that_failed_is_not_asked_after_it():

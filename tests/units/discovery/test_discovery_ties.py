@@ -41,7 +41,7 @@ def heard(every, residual=None, **further):
 @pytest.mark.parametrize(
     ("effect", "named", "passes", "told"),
     [
-        (100.0, (), True, "no effect of the catalogue does as well"),
+        (100.0, (), True, "no effect that may be named does as well"),
         (100.0, ("oil_damper",), False, "beside all effects of the law, does as well; `add` it instead"),
         (50.0, (), False, "beside all effects of the law, does better"),
     ],
