@@ -499,9 +499,10 @@ def test_what_scatter_may_have_made_is_not_complete_where_it_is_more_than_form(s
     law.lack = SimpleNamespace(p_value=0.04, share=1.25, sure_share=sure, rms=1.4)
     stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
     scatter = SimpleNamespace(
-        is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017)
+        is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017), runs=16
     )
     problem = SimpleNamespace(noise=scatter, loops=SimpleNamespace(run=range(48)))
     found = weighed(law, [], problem)
     assert found.verdict == verdict
-    assert ("(0.17% of stiffness) may make as much by chance" in found.reasons[0]) == (verdict == "unknown")
+    told = "(0.17% of stiffness) may make as much by chance, and these 16 runs are too few"
+    assert (told in found.reasons[0]) == (verdict == "unknown")
