@@ -12,9 +12,9 @@ from pipeclamp_identification.diagnosis.weighing.reasons import hidden_words, im
 from pipeclamp_models.law.law import Structure
 
 SCATTER = SimpleNamespace(
-    scatter=RunScatter(stiffness=0.004, mean_N=12.0, zero_mm=0.0123), mean_shows=True, zero_shows=True
+    scatter=RunScatter(stiffness=0.004, mean_N=12.0, zero_mm=0.0123), mean_shows=True, zero_shows=True, runs=24
 )
-PROBLEM = SimpleNamespace(loops=SimpleNamespace(run=range(24)), groups=np.arange(2), noise=SCATTER)
+PROBLEM = SimpleNamespace(loops=SimpleNamespace(run=range(72)), groups=np.arange(2), noise=SCATTER)
 
 
 def judged(*effects, left_N=2.1, squares=(50.0, 50.0), likelihood=100.0, on_temperature=0.05):

@@ -286,6 +286,24 @@ def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
     assert weighed_part(monkeypatch, same=True).verdict == "ambiguous"
 
 
+@pytest.mark.parametrize(
+    ("left", "told"),
+    [
+        (46.0, "clearly more than memory, which takes 54%"),
+        (40.0, "and memory 60%, but clearly less where errors are counted in units of the noise"),
+        (75.0, "and no rival comes near"),
+    ],
+)
+def test_what_takes_nearly_as_much_and_is_no_rival_is_told(left, told, monkeypatch):
+    """The table beside the words showed 57 % and 54 %: "no rival comes near" was what nobody could see there."""
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: True)
+    best, other, law = candidate("viscous", 43.0, 80.0), candidate("memory", left, 95.0), candidate("", 100.0, 100.0)
+    best.reservations = ()
+    law.lack = SimpleNamespace(share=9.0)
+    found = one_part([best, other], [], [], [], on_scales(law, [best, other]))
+    assert found.reasons[0].startswith("viscous takes 57% of what is missing") and found.reasons[0].endswith(told)
+
+
 @pytest.mark.parametrize(("together", "verdict"), [(19.0, "missing"), (55.0, "ambiguous")])
 def test_two_fitted_together_tell_whether_they_take_the_same_part(together, verdict, monkeypatch):
     """One step held a band's tension and a slip for rivals, and together they took more than both take alone."""
@@ -481,9 +499,10 @@ def test_what_scatter_may_have_made_is_not_complete_where_it_is_more_than_form(s
     law.lack = SimpleNamespace(p_value=0.04, share=1.25, sure_share=sure, rms=1.4)
     stand_in(monkeypatch, "scatter_words", lambda lack, problem: "all scatter")
     scatter = SimpleNamespace(
-        is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017)
+        is_no_rigs=False, mean_shows=False, zero_shows=False, scatter=RunScatter(stiffness=0.0017), runs=16
     )
     problem = SimpleNamespace(noise=scatter, loops=SimpleNamespace(run=range(48)))
     found = weighed(law, [], problem)
     assert found.verdict == verdict
-    assert ("(0.17% of stiffness) may make as much by chance" in found.reasons[0]) == (verdict == "unknown")
+    told = "(0.17% of stiffness) may make as much by chance, and these 16 runs are too few"
+    assert (told in found.reasons[0]) == (verdict == "unknown")

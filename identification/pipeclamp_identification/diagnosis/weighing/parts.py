@@ -71,7 +71,7 @@ def one_part(
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
     most = f"beyond doubt; {immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
     nearest = _takes_another_part(other_part[0], best, pairs, scales) if other_part else ""
-    but = most or nearest or "and no rival comes near"
+    but = most or nearest or _how_far_others_are(others, best, scales.law)
     return Weighed("missing", names, "part", best, None, (f"{takes}, {but}", *form), others)
 
 
@@ -129,6 +129,17 @@ def _takes_another_part(name: str, best: Judged, pairs: Sequence[Judged], scales
     together = fitted_together(best, name, pairs)
     both = f"; both together take {explained_share(together, scales.law):.0%}" if together else ""
     return f"but {name} comes near: it takes another part, which is asked next{both}"
+
+
+def _how_far_others_are(others: Sequence[Judged], best: Judged, law: Judged) -> str:
+    """Say that no other effect comes near the best one, or what one takes that seems to, and is no rival of it."""
+    shares = {each.effects[0]: explained_share(each, law) for each in others}
+    name = max(shares, key=shares.__getitem__, default="")
+    if not name or shares[name] < HALF_TAKEN_SHARE * explained_share(best, law):
+        return "and no rival comes near"
+    if shares[name] < explained_share(best, law):
+        return f"clearly more than {name}, which takes {shares[name]:.0%}"
+    return f"and {name} {shares[name]:.0%}, but clearly less where errors are counted in units of the noise"
 
 
 def fitted_together(one: Judged, other: str, pairs: Sequence[Judged]) -> Judged | None:
