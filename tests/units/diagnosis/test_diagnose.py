@@ -169,10 +169,10 @@ def test_several_elements_that_slip_are_named_as_many(campaign):
 
 def _is_named(diagnosis, effect):
     assert (diagnosis.verdict, diagnosis.effects) == ("missing", (effect,))
-    best = diagnosis.candidates[0]
-    assert best.effects == diagnosis.effects
-    assert best.squares < diagnosis.law.squares
-    assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
+    named = diagnosis.found.named
+    assert named.effects == diagnosis.effects
+    assert named.squares < diagnosis.law.squares
+    assert named.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
 
 
 def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(campaign):
