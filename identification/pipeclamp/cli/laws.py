@@ -137,7 +137,6 @@ def identify(
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
     from pipeclamp.show.law import per_group_table
-    from pipeclamp_identification.workflow.after_comparison import after_comparison
     from pipeclamp_identification.workflow.next_command import after_group_laws, after_identification
     from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
@@ -175,6 +174,7 @@ def identify(
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import law_page
+        from pipeclamp_identification.workflow.after_comparison import after_comparison
 
         about = f"identified from {tests.name}"
         # the page holds the comparison already
