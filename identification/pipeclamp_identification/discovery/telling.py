@@ -52,8 +52,7 @@ def _tests(loops: Loops) -> Motion:
     known = bool(np.all(np.isfinite(loops.temperature_K)))
     temperatures = _between(loops.temperature_K) if known else [20.0 + CELSIUS]
     A, f, T = np.array(list(itertools.product(amplitudes, frequencies, temperatures))).T
-    motion = sinusoids(A, f, T)
-    motion = replace(motion, y=motion.y + about(loop_motion(loops)))
+    motion = sinusoids(A, f, T, about=about(loop_motion(loops)))
     middle = {condition_signal(name): float(np.median(values)) for name, values in loops.conditions.items()}
     if np.all(np.isfinite(loops.cycle)):
         middle["N"] = float(np.median(loops.cycle))
