@@ -19,7 +19,7 @@ from unlisted import UNLISTED
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.further_test.outlook import RIDDEN, RIDING_ORDER, RIDING_SHARE, RUNS_OF_A_TEST
-from pipeclamp_identification.fitting.identify import ages, fit_structure
+from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import misfits
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of, per_cycle
@@ -271,7 +271,7 @@ def unimitated_rms(drawn: Drawn, sizes: Sequence[float], effects: tuple[str, ...
     if set(drawn.case.hidden) & NOT_LOCKED:
         runs = misfits(fit_structure(structure, loops).law, campaign, loops)
         return float(np.sqrt(sum(run.squared_error for run in runs) / sum(len(run.measured) for run in runs)))
-    loops = per_cycle(loops) if ages(structure.equations) else loops
+    loops = per_cycle(loops) if structure.equations.ages else loops
     observations = loop_observations(loops)
     squares = observations.mean_squares(fit_structure(structure, loops, observations).law_force)
     return float(np.sqrt(np.average(squares, weights=loops.samples)))

@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Literal
 
 from pipeclamp_models.base.errors import UsageError, UserError
 
@@ -73,6 +74,11 @@ def default_platforms(fmi: int) -> tuple[str, ...]:
     host = host_platform()
     able = host is not None and fmi in PLATFORMS[host].folder and (system_compiler() or find_spec("ziglang"))
     return (host,) if able and host is not None else ()
+
+
+def kind_unasked() -> Literal["python", "native"]:
+    """Give the kind of FMU that is made where nobody asks for one: native where a C compiler is found."""
+    return "native" if default_platforms(fmi=2) else "python"
 
 
 def refuse_unknown_platforms(platforms: Sequence[str], fmi: int) -> None:

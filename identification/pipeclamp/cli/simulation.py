@@ -285,6 +285,7 @@ def system_structure(
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
     from pipeclamp.show.packaged import parallel_words
+    from pipeclamp_fmu.native.compiler import kind_unasked
     from pipeclamp_identification.workflow.next_built import after_packaging
     from pipeclamp_system.cosim.building import NATIVE, PYTHON
     from pipeclamp_system.cosim.ssp import write_system
@@ -292,7 +293,7 @@ def system_structure(
     spare(system, outputs=(output,))
     refuse_ending(output, SSP, "an SSP")
     with showing_progress("system") as tell:
-        made = kind or _kind_here()
+        made = kind or FmuKind(kind_unasked())
         found = write_system(system, output, PYTHON if made is FmuKind.python else NATIVE, tell)
     put(f"{output}: SSP 1.0, {made.value}")
     say([parallel_words(found)])
@@ -341,13 +342,6 @@ def sweep(
     _say_all(page.sections[0], None, output, following)
 
 
-def _kind_here() -> FmuKind:
-    """Give the kind that is made unasked: native where a C compiler is found."""
-    from pipeclamp_fmu.native.compiler import default_platforms
-
-    return FmuKind.native if default_platforms(int(FmiVersion.fmi2)) else FmuKind.python
-
-
 def _built(
     source: Source,
     output: Path,
@@ -358,8 +352,10 @@ def _built(
     platforms: str | None,
 ) -> str:
     """Build an FMU of a kind, where None of the one that is made unasked, and say what was made."""
+    from pipeclamp_fmu.native.compiler import kind_unasked
+
     only_native = platforms is not None or fmi is not None
-    chosen = kind or (FmuKind.native if only_native else _kind_here())
+    chosen = kind or (FmuKind.native if only_native else FmuKind(kind_unasked()))
     if chosen is FmuKind.native:
         named = None if platforms is None else names_in(platforms)
         built = build_native(source, output, int(fmi or FmiVersion.fmi2), named)

@@ -23,6 +23,7 @@ SHOWN_PROMISE = 0.001
 """Less than this share of the best effect's promise is shown as none."""
 SKETCHED = 4
 """Candidates that are told of and drawn, best first."""
+RECORDS_JOIN = "Once it is run, pipeclamp import makes a campaign of its records, and pipeclamp join one of both."
 
 
 def diagnosis_answer(answer: RecordDiagnosed) -> Section:
@@ -134,7 +135,7 @@ def _proposal_section(proposal: Proposal) -> Section:
     difference = LoopPanel("difference", proposal.motion.y[0], None, proposal.forces[0] - proposal.forces[1])
     words, drawn = drive_shown(proposal.plan, proposal.drive_words())
     return Section(
-        "Next test", [sentence(proposal.words()), words], (),
+        "Next test", [sentence(proposal.words()), words, RECORDS_JOIN], (),
         [loops_picture([*panels, difference], "What each rival predicts"), drawn],
     )  # fmt: skip
 

@@ -109,10 +109,10 @@ def _write_diagnosis(found: Diagnosed, file: LawFile, campaign: str, law: str, l
 
 def build(tell: Progress, *, law: str, fmu: str) -> dict[str, Any]:
     """Build the law's FMU, of the kind that `build-fmu` makes unasked."""
-    from pipeclamp.api.fmu import FmuKind, build_fmu
-    from pipeclamp_fmu.native.compiler import default_platforms
+    from pipeclamp.api.fmu import build_fmu
+    from pipeclamp_fmu.native.compiler import kind_unasked
 
-    kind: FmuKind = "native" if default_platforms(fmi=2) else "python"
+    kind = kind_unasked()
     tell(f"build a {kind} FMU")
     build_fmu(law, fmu, kind, track=True)
     return {"file": Path(fmu).name}

@@ -17,7 +17,7 @@ from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups, kept_at_ends
-from pipeclamp_identification.fitting.identify import ages, fit_structure
+from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import linearised
 from pipeclamp_identification.fitting.least_squares import fit, unfitted
@@ -186,7 +186,7 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
         loops: the tests.
         start: values to start from, by name, where they are known.
     """
-    loops = by_stretch(loops) if ages(structure.equations) or drifts(loops) else loops
+    loops = by_stretch(loops) if structure.equations.ages or drifts(loops) else loops
     harmonics = loop_observations(loops, points_enough(loops))
     first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
     factors = factors_of(first.groups, loops, harmonics)

@@ -11,7 +11,6 @@ import numpy as np
 
 from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.fitting.beginning import MATERIAL, beginning, came_from
-from pipeclamp_identification.fitting.misfit import slow_signals
 from pipeclamp_identification.fitting.observations import known_temperature
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -172,7 +171,7 @@ def _usable(
     Raises:
         UserError: they are known for some of the campaign's runs only.
     """
-    if "T" not in slow_signals(law):
+    if "T" not in law.equations.slow_signals:
         return list(temperature)
     mean = np.array([*(float(np.mean(T)) for T in temperature), *others.values()])
     usual = known_temperature(mean, [*(run.name for run in runs), *others])
@@ -249,7 +248,7 @@ def _law_motion(
     }
     columns = {"rho": "density_g_cm3", **{condition_signal(name): name for name in run.setup.conditions}}
     for signal, column in columns.items():
-        if signal in slow_signals(law) and not np.all(np.isfinite(conditions[signal])):
+        if signal in law.equations.slow_signals and not np.all(np.isfinite(conditions[signal])):
             raise UserError(f"the law depends on {column}, which isn't known for {run.name}; fill it in in runs.csv")
     motion = Motion(y, v, smooth.a[None], conditions, h, periodic=False, rest=rest)
     refuse_unknown_conditions(sorted(law.equations.slow_signals), motion)

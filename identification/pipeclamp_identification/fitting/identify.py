@@ -43,7 +43,7 @@ from pipeclamp_models.law.file import (
     Provenance,
     RunQuality,
 )
-from pipeclamp_models.law.law import BASE_LAW, Equations, Structure
+from pipeclamp_models.law.law import BASE_LAW, Structure
 from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.range import intervals_of, rounded
 from pipeclamp_models.realise.force import LawForce
@@ -135,7 +135,7 @@ def fit_structure(
         UserError: the data can't serve the structure.
     """
     equations = structure.equations
-    if ages(equations) and len((parted := by_stretch(loops)).run) > len(loops.run):
+    if equations.ages and len((parted := by_stretch(loops)).run) > len(loops.run):
         loops, observations = parted, None
     observations = observations or loop_observations(loops)
     from_surfaces = surface_values(structure, loops)
@@ -240,7 +240,7 @@ def law_file(
         campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out,
         time_measured=campaign.time_measured, about_mm=about(identification.observations.motion),
     )  # fmt: skip
-    covered = range_of(identification.loops, aged=ages(identification.fit.equations))
+    covered = range_of(identification.loops, aged=identification.fit.equations.ages)
     file = file_of_fit(identification.fit, covered, data, quality, name=name, provenance=provenance)
     spread = spread_of(identification.fit, identification.loops, identification.observations)
     return file.model_copy(update={"spread": spread})
@@ -357,11 +357,6 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
 
 def _prior(parameter: ParameterOutline, spread: float | None) -> Prior | None:
     return None if spread is None else Prior(mean=parameter.neutral or 0.0, standard_deviation=rounded(spread))
-
-
-def ages(equations: Equations) -> bool:
-    """Tell whether a law depends on the load cycles that the specimen has seen."""
-    return "N" in equations.slow_signals
 
 
 def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:

@@ -82,7 +82,7 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     Raises:
         UserError: the law needs a condition that the campaign doesn't state.
     """
-    changing = "N" in slow_signals(law)
+    changing = law.equations.ages
     force = force_of_rows(law, per_cycle(loops) if changing else loops)
     _refuse_unknown(law, loops, force)
     edges = np.concatenate([[0], np.cumsum([len(cycles) if changing else 1 for cycles in loops.cycles])])
@@ -110,15 +110,10 @@ def _refuse_unknown(law: Law, loops: Loops, force: Array) -> None:
     """Refuse tests that leave a condition open which the law depends on, or for which the law gives no finite force."""
     if np.all(np.isfinite(force)):
         return
-    if "rho" in slow_signals(law) and not np.all(np.isfinite(loops.density_g_cm3)):
+    if "rho" in law.equations.slow_signals and not np.all(np.isfinite(loops.density_g_cm3)):
         blank = [run for run, rho in zip(loops.run, loops.density_g_cm3, strict=True) if not np.isfinite(rho)]
         raise UserError(f"the law depends on density_g_cm3, which isn't known for {blank[0]}; fill it in in runs.csv")
     raise UserError("the law gives a force that is not finite on these tests; expected tests near the law's range")
-
-
-def slow_signals(law: Law) -> frozenset[str]:
-    """Give the names of the slow signals that a law depends on."""
-    return law.equations.slow_signals
 
 
 def _run_misfit(run: Run, loops: Loops, index: int, force: Array) -> RunMisfit:

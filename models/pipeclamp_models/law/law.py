@@ -231,6 +231,11 @@ class Equations:
         """Names of the slow signals (A, f, T, further conditions) that the law depends on."""
         return self.outline.slow_signals
 
+    @property
+    def ages(self) -> bool:
+        """Whether the law depends on the load cycles that the specimen has seen."""
+        return "N" in self.slow_signals
+
 
 @lru_cache(maxsize=256)
 def _equations(structure: Structure, parts: tuple[Part, ...]) -> Equations:
