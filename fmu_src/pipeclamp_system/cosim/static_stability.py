@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import law_of
 from pipeclamp_models.law.range import conditions_inside
@@ -45,9 +46,9 @@ def about_rest(description: SystemDescription, folder: Path, where: str, althoug
         return ""
     beside = "the pipe with its other clamps" if len(known) > 1 else "the pipe"
     return (
-        f"clamp {name!r} has a negative stiffness at rest, {known[name]:.4g} N/mm, and {beside} holds it with "
-        f"{held[name]:.4g} N/mm: together {known[name] + held[name]:.4g} N/mm, so that the pipe leaves its rest"
-        f"{although}; expected a law above {-held[name]:.4g} N/mm (at its A and T), or a support there"
+        f"clamp {name!r} has a negative stiffness at rest, {plain(known[name], 4)} N/mm, and {beside} holds it with "
+        f"{plain(held[name], 4)} N/mm: together {plain(known[name] + held[name], 4)} N/mm, so that the pipe leaves "
+        f"its rest{although}; expected a law above {plain(-held[name], 4)} N/mm (at its A and T), or a support there"
     )
 
 

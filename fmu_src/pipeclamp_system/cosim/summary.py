@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 
 from pipeclamp_fmu.slaves.own_motion import LIMIT
+from pipeclamp_models.base.digits import plain
 from pipeclamp_system.cosim.beating import FEWEST_CYCLES_THAT_SWING, is_judged
 from pipeclamp_system.cosim.energy import NAMES
 from pipeclamp_system.cosim.repetition import LAST_SHARE
@@ -23,7 +24,7 @@ MISMATCH = 0.2
 def summary_of(result: CosimResult) -> str:
     """Give amplitudes and the energy balance, for a person to read."""
     trials = result.columns["trials"][1:]
-    parts = (f"{NAMES[name]} {value:.4g}" for name, value in result.energy.final().items())
+    parts = (f"{NAMES[name]} {plain(value, 4)}" for name, value in result.energy.final().items())
     lines = [
         f"system {result.name!r}: {result.time.size - 1} {result.scheme} steps of {_step_text(result)}, "
         f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})",
@@ -50,7 +51,7 @@ def _about_amplitudes(result: CosimResult) -> list[str]:
     }
     return [
         *(
-            f"{name}: amplitude {moved[name]}, force {result.amplitude(f'{name}.f'):.4g} N {late}"
+            f"{name}: amplitude {moved[name]}, force {plain(result.amplitude(f'{name}.f'), 4)} N {late}"
             for name in result.clamp_names
         ),
         *(f"{name}: amplitude {moved[name]} {late}" for name in result.probe_names),

@@ -34,9 +34,9 @@ from pipeclamp.cli.terminal import (
     spare,
     values_in,
 )
+from pipeclamp.now import now
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.files import write_whole
-from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.base.progress import Progress
 

@@ -28,7 +28,7 @@ from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
-from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_models.base.digits import one_digit
 
 EVEN = beside_even("every run erred by the same part of its force, all along the loop")
 

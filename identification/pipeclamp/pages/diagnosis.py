@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.signals.digits import newtons
+from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.equations.effect import Effect
 
 SHOWN_PROMISE = 0.001

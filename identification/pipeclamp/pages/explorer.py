@@ -12,8 +12,8 @@ from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.drawn import MOST_POINTS, DrawnRun, drawn_runs
 from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import rounded_to
 
 OF_ALL_RUNS = 80_000
 """Points of all runs' cycles together: more make a page that is slow to open."""

@@ -11,6 +11,7 @@ from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import campaign_plan_answer
 from pipeclamp_identification.planning.telling import NAMED
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.shell import shell_line
 
 FOR_EXAMPLE = "hardening"
@@ -57,8 +58,8 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         told_of = f"all {among}" if count == among else f"{count} of {among}"
         first = (
             f"In {plan.hours:.3g} rig hours this plan can tell {told_of} effects that were assessed, and names "
-            f"{NAMED:.0%} of them where their rms force is above {newtons:.3g} N, {newtons / scene.force:.2%} of the "
-            f"clamp's own over the loops within the limits, {scene.force:.4g} N."
+            f"{NAMED:.0%} of them where their rms force is above {plain(newtons, 3)} N, {newtons / scene.force:.2%} "
+            f"of the clamp's own over the loops within the limits, {plain(scene.force, 4)} N."
         )
     else:
         first = f"This plan names no effect in {plan.hours:.3g} rig hours."
@@ -119,5 +120,5 @@ def stopping_words(plan: CampaignPlan) -> list[str]:
     now = plan.power.from_newtons
     best = min(longer, key=lambda one: one.newtons, default=None)
     if best is not None and best.newtons < now:
-        lines.append(f"The best plan that takes longer: {best.newtons:.3g} N in {best.hours:.3g} h.")
+        lines.append(f"The best plan that takes longer: {plain(best.newtons, 3)} N in {best.hours:.3g} h.")
     return lines

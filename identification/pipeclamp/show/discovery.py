@@ -9,7 +9,7 @@ from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
 from pipeclamp_identification.discovery.shapes import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
-from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.base.units import unit_shown
 
 RIVALS_SHOWN = 5

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from pipeclamp.show.table import Table
-from pipeclamp_identification.signals.digits import plain
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.units import unit_shown
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.outline import Sizes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.signals.digits import plain
+from pipeclamp_models.base.digits import plain
 
 SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
 """What stands where a scatter would."""

@@ -7,12 +7,12 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
+from pipeclamp.now import now
 from pipeclamp.studio.diagnosis_shown import stamp
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
-from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import Workers, spare_cores
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, law_text, read_law

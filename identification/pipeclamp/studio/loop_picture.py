@@ -15,8 +15,8 @@ from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.fitting.misfit import RunMisfit, loop_of_run
 from pipeclamp_identification.loops.loops import displacement_on_grid
-from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 

@@ -13,9 +13,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.progress import Progress

@@ -22,10 +22,10 @@ from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.comparison.sentences import sentence
-from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.workflow.next_command import after_change, after_identification, after_import
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.base.errors import UserError
 
 LINES_OF_A_LAW = ("diagnose", "diagnosed", "refit", "climb", "discover", "report", "respond", "build")

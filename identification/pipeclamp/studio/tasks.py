@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeclamp.now import now
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, SHOWN
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.files import write_whole
-from pipeclamp_models.base.now import now
 from pipeclamp_models.base.processes import Workers, spare_cores
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, NamedKind, Provenance, law_text, read_law

@@ -8,7 +8,7 @@ from math import exp
 from typing import Literal
 
 from pipeclamp_identification.on_pipe.model import CoupledModel
-from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_models.base.digits import one_digit
 
 Side = Literal["pipe", "clamp", "measurement"]
 Values = tuple[float, ...]

@@ -24,7 +24,7 @@ from pipeclamp_identification.attribution.suspect import (
 )
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription
 from pipeclamp_identification.on_pipe.model import CoupledModel
-from pipeclamp_identification.signals.digits import one_digit
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.effects.cubic_stiffness import k3
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law

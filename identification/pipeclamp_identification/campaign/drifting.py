@@ -26,9 +26,9 @@ from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, F
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.between_cycles import between_cycles
-from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import one_digit
 
 FALSE_ALARM_CHANCE = 1e-3
 """A campaign without faults raises an alarm of a kind less often than this by scatter alone."""

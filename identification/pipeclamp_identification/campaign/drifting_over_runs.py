@@ -25,8 +25,8 @@ from pipeclamp_identification.campaign.drifting import (
     conditions_basis,
 )
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault
-from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.base.digits import one_digit
 
 FEWEST_FREE_RUNS = 6
 """Runs that must be free of the conditions to show a trend from run to run."""

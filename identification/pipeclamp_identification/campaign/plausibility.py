@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_identification.units.doubts import StatedAndShown
 from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.said import few_of
 
 MOST_NAMED = 3
@@ -106,11 +107,11 @@ def reversed_sign(fundamental: Fundamental) -> str | None:
 
     Inertia makes the stiffness negative and a delay the dissipated energy; both at once only a reversed channel does.
     """
-    k = fundamental.stiffness
+    k, energy = fundamental.stiffness, fundamental.dissipated_energy
     if max(k.real, k.imag) >= -SURE_STANDARD_ERRORS * fundamental.standard_error:
         return None
     return (
-        f"its force has the wrong sign: stiffness {k.real:.4g} N/mm and {fundamental.dissipated_energy:.3g} J "
+        f"its force has the wrong sign: stiffness {plain(k.real, 4)} N/mm and {plain(energy, 3)} J "
         "dissipated a cycle, both negative; force is positive with positive displacement: turn its sign in the record, "
         'or in all of them by [columns] force_N = { from = "...", factor = -1 } in campaign.toml'
     )
@@ -130,7 +131,7 @@ def makes_energy(shown: Mapping[str, Fundamental]) -> str:
     k = shown[worst].stiffness
     # of a force that is a sine, dW over 2 pi times the energy stored at most
     loss = k.imag / abs(k)
-    of_worst = f"loss factor {loss:.2g} of its fundamental, {shown[worst].dissipated_energy:.3g} J a cycle"
+    of_worst = f"loss factor {loss:.2g} of its fundamental, {plain(shown[worst].dissipated_energy, 3)} J a cycle"
     return (
         f"in {len(making)} of {len(shown)} runs the {makes} energy, most in run {worst!r} ({of_worst}), as no passive "
         "device does: check the sign of force and displacement, the order of the columns, and a delay between the "
@@ -150,8 +151,8 @@ def falls_with_displacement(shown: Mapping[str, Fundamental]) -> str:
     worst = falling[0]
     return (
         f"in {len(falling)} of {len(shown)} runs the force falls with the displacement, most in run {worst!r} "
-        f"({shown[worst].stiffness.real:.4g} N/mm): a mass between the device and the force sensor makes that, or a "
-        "mass in the device, a long delay between the channels, or another column than the force"
+        f"({plain(shown[worst].stiffness.real, 4)} N/mm): a mass between the device and the force sensor makes that, "
+        "or a mass in the device, a long delay between the channels, or another column than the force"
     )
 
 
@@ -184,8 +185,8 @@ def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:
     for row in np.setdiff1d(order, most):
         if max(size[row] / usual, usual / size[row]) >= WRONG_UNITS:
             found[row] = (
-                f"its dynamic stiffness is {size[row]:.4g} N/mm, the median of the others {usual:.4g} N/mm: check the "
-                "units of force (N) and displacement (mm)"
+                f"its dynamic stiffness is {plain(size[row], 4)} N/mm, the median of the others {plain(usual, 4)} "
+                "N/mm: check the units of force (N) and displacement (mm)"
             )
     return found
 

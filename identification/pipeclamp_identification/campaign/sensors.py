@@ -16,9 +16,9 @@ from pipeclamp_identification.campaign.plausibility import SURE_STANDARD_ERRORS
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.runs_table import Setup
 from pipeclamp_identification.campaign.seen import SeenFree, SeenRecord, SeenSine
-from pipeclamp_identification.signals.digits import newtons, plain
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import newtons, plain
 
 DEAD_BELOW = 0.1
 """A force that the motion doesn't show in, and that stays below this share of what other runs show, is no clamp's."""

@@ -29,6 +29,7 @@ from pipeclamp_identification.comparison.free_breakdown import (
 )
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.arrays import BoolArray, IntArray
+from pipeclamp_models.base.digits import plain
 
 QUARTERS = ("first", "second", "third", "last")
 THIRDS = 3
@@ -127,7 +128,7 @@ def _constant_words(one: FreeSamples) -> str:
     if run.nrmse_without is None or run.nrmse_without**2 > (1 - OFTEN) * run.nrmse**2:
         return ""
     return (
-        f"Free motion: at rest and unloaded the law has a constant force, {run.at_rest:.4g} N, along {run.run}; "
+        f"Free motion: at rest and unloaded the law has a constant force, {plain(run.at_rest, 4)} N, along {run.run}; "
         f"without it the error there would be {run.nrmse_without:.2%} in place of {run.nrmse:.2%}. Sines in which the "
         "clamp always slips don't tell a constant force from slip forces that differ between the directions."
     )

@@ -18,8 +18,8 @@ from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.diagnosis.evidence import CHANCE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
-from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate
+from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.law.law import Law
 
 SHARPER = 0.1

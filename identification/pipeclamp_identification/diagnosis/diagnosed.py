@@ -28,7 +28,7 @@ from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.digits import newtons
+from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of

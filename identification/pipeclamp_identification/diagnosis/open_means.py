@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 )
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.signals.chances import of_larger_ratio
-from pipeclamp_identification.signals.digits import newtons
+from pipeclamp_models.base.digits import newtons
 
 
 @dataclass(frozen=True)

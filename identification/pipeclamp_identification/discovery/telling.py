@@ -10,9 +10,9 @@ import numpy as np
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_NOISE_SHARE
 from pipeclamp_identification.fitting.observations import loop_motion
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law

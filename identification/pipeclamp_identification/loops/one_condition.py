@@ -11,8 +11,8 @@ import numpy as np
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.loops.published_rows import KELVINS, PublishedRow, matching_row
-from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import rounded_to
 
 # settings of a test plan that are meant to be the same lie this close together, those that aren't lie further apart
 SAME_SETTING_SHARE = 0.03

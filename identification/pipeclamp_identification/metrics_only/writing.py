@@ -13,7 +13,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import metrics_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
-from pipeclamp_identification.signals.digits import rounded_to
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.units import celsius_of
 
 METRIC_DIGITS = 6

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeclamp_identification.signals.digits import newtons, plain
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import newtons, plain
 from pipeclamp_models.base.units import CELSIUS
 
 FEWEST = 2

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from pipeclamp_identification.signals.digits import rounded_to
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS, unit_shown
 

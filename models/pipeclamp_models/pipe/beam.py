@@ -22,6 +22,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.element import Element
@@ -278,8 +279,9 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     mu, shapes = eigh(mass, stiffness + shift * mass)
     if not mu[0] > 0:
         raise UserError(
-            f"the pipe moves with {assembly.moving_mass:.3g} kg, {beam.mass_per_length * beam.length:.3g} kg of them "
-            "its own, which are lost in rounding; expected masses in kg, and a support where nothing moves"
+            f"the pipe moves with {plain(assembly.moving_mass, 3)} kg, "
+            f"{plain(beam.mass_per_length * beam.length, 3)} kg of them its own, which are lost in rounding; expected "
+            "masses in kg, and a support where nothing moves"
         )
     squared = 1.0 / mu[::-1] - shift
     shapes = shapes[:, ::-1] / np.sqrt(mu[::-1])

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.beam import ELEMENT_PHASE, Assembly, Attachment, assemble, mesh, modes, upright
@@ -140,7 +141,7 @@ class ReducedPipe:
         first = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:6])
         more = ", ..." if self.kept > 6 else ""
         lines = [
-            f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m²",
+            f"pipe {self.name!r}, straight: {plain(self.mass, 4)} kg, E I = {plain(self.bending_stiffness, 4)} N m²",
             f"{self.kept} modes kept for {self.up_to_Hz:g} Hz: {first}{more} Hz; "
             f"{len(self.omega) - self.kept} residual modes",
             f"static compliance: {self.errors.static_truncated:.1%} of it lies in the modes left out; "
@@ -169,7 +170,7 @@ class ReducedPipe:
         if self.compression:
             kind, load = ("compression", self.compression) if self.compression > 0 else ("tension", -self.compression)
             share = f", {load / self.buckling_load:.0%} of its buckling load" if self.buckling_load else ""
-            lines.append(f"axial {kind} {load:.4g} N{share if kind == 'compression' else ''}")
+            lines.append(f"axial {kind} {plain(load, 4)} N{share if kind == 'compression' else ''}")
         if self.velocity:
             begins = "stable at any flow that was tried"
             if self.onset:

@@ -10,7 +10,7 @@ import pytest
 
 from pipeclamp.show.law import doubts
 from pipeclamp_identification.comparison.in_the_middle import loop_in_the_middle
-from pipeclamp_identification.signals.digits import with_error
+from pipeclamp_models.base.digits import with_error
 from pipeclamp_models.law.file import Covariance, Interval, LawFile
 
 PER_CENT_IN_THE_MIDDLE = 1.0

@@ -11,7 +11,7 @@ from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import Drive
 from pipeclamp_identification.campaign.plausibility import fundamental_of
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
-from pipeclamp_identification.signals.digits import rounded_to
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.units import CELSIUS
 

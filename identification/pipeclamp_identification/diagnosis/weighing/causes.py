@@ -26,7 +26,7 @@ from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_th
 from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate
 from pipeclamp_identification.fitting.heldout import are_at_one_condition
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.digits import told_apart
+from pipeclamp_models.base.digits import told_apart
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import NamedKind
 

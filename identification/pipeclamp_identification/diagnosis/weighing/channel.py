@@ -16,8 +16,8 @@ from pipeclamp_identification.diagnosis.thresholds import UNEXPLAINED_SHARE
 from pipeclamp_identification.fitting.joint.starts import Linearised
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.loops.loops import on_grid
-from pipeclamp_identification.signals.digits import newtons
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import newtons
 
 LEVELS_SHARE = np.arange(10) / 10
 """Shares of the largest force from which on a channel is asked for a bend."""

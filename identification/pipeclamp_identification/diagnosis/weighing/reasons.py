@@ -19,7 +19,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     REAL_LACK_CHANCE,
 )
 from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, rests_on
-from pipeclamp_identification.signals.digits import newtons
+from pipeclamp_models.base.digits import newtons
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""

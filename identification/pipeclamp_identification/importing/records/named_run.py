@@ -18,8 +18,8 @@ from pipeclamp_identification.importing.raw import Above
 from pipeclamp_identification.importing.records.drafts import Draft, TakenTable, is_timed
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
-from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.units.stated import conversion, is_unit
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.errors import UserError
 
 STEADY_TEMPERATURE = 5.0

@@ -16,7 +16,7 @@ from pipeclamp_identification.importing.answer import (
     import_answer,
     specimen_words,
 )
-from pipeclamp_identification.signals.digits import newtons
+from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.base.said import counted
 
 if TYPE_CHECKING:

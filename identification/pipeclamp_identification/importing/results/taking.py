@@ -24,7 +24,7 @@ from pipeclamp_identification.importing.results.rows import (
 )
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.unusable import UnusableFileError
-from pipeclamp_identification.signals.digits import rounded_to
+from pipeclamp_models.base.digits import rounded_to
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.said import few_of
 

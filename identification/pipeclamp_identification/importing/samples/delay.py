@@ -16,10 +16,10 @@ import numpy as np
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.description import ImportedDelay
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.signals.digits import rounded_to
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
 from pipeclamp_identification.signals.sample_noise import scatter_by_median
 from pipeclamp_models.base.arrays import ComplexArray, IntArray
+from pipeclamp_models.base.digits import rounded_to
 
 LOWEST, HIGHEST = 7, 15
 """Orders of the harmonics that are asked: springs that harden by powers up to five make none of them."""
