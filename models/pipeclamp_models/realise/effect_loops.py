@@ -26,7 +26,7 @@ CLAMP = "emwm2"
 """The bundled law whose base law stands for the clamp."""
 AMPLITUDE, FREQUENCY, TEMPERATURE = 0.8, 3.0, 20.0 + CELSIUS
 AMPLITUDES, FREQUENCIES = (0.3, 0.6, 1.0), (1.0, 5.0, 20.0)
-TEMPERATURES_K = tuple(value + CELSIUS for value in (20.0, 250.0, 300.0))
+TEMPERATURES_K = tuple(value + CELSIUS for value in (20.0, 150.0, 300.0))
 SMALL_AMPLITUDE, MEANS = 0.3, (-0.6, 0.0, 0.6)
 """Amplitude and means of small cycles, mm: within one of them what follows the displacement hardly changes."""
 CYCLE_NUMBERS, DENSITIES, COLUMN = (0.0, 300.0, 2000.0), (2.0, 2.286, 2.571), (0.0, 0.5, 1.0)
