@@ -32,7 +32,9 @@ from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.bands.response import BandedSystem, banded_system
 from pipeclamp_system.bands.response_bands import CurveBands
-from pipeclamp_system.steady.response import Curve, amplitudes_of, run_response
+from pipeclamp_system.response.curves import Curve
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.steady.states import amplitudes_of
 
 AMPLITUDES, FREQUENCIES, CELSIUS = (0.2, 0.4, 0.7, 1.0), (1.0, 4.0, 15.0), (20.0, 150.0)
 CYCLES, RATE, NOISE = 4, 400, 0.02

@@ -7,7 +7,10 @@ from plotly.subplots import make_subplots
 
 from pipeclamp.pages.page import SERIES, styled
 from pipeclamp.pages.system.response import pieces
-from pipeclamp_system.steady.response import FrequencyResponse, amplitudes_of, run_response
+from pipeclamp_system.response.curves import FrequencyResponse
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.response.summary import response_summary
+from pipeclamp_system.steady.states import amplitudes_of
 
 SYSTEM = Path(__file__).parent / "system" / "system.toml"
 ACCELERATION = 0.5
@@ -20,7 +23,7 @@ HEIGHT = 520
 def picture() -> go.Figure:
     """Amplitude over frequency, one column a temperature."""
     found = run_response(SYSTEM, print)
-    print(found.summary())
+    print(response_summary(found))
     return drawn(found)
 
 

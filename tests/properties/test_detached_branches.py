@@ -15,11 +15,12 @@ from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.response.curves import Curve, FrequencyResponse
+from pipeclamp_system.response.summary import response_summary
 from pipeclamp_system.steady import detached
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.detached import detached_branches, leaving_branches
-from pipeclamp_system.steady.response import Curve, FrequencyResponse
 from pipeclamp_system.steady.states import half_range
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
@@ -67,7 +68,7 @@ def test_damping_that_falls_with_amplitude_closes_a_branch(tmp_path: Path, write
     )
 
     response = FrequencyResponse("hard", ("clamp1",), (), "", (Curve(None, 1.0, followed, (branch,)),), (), ({},))
-    assert f"a branch apart from {frequencies.min():.4g} to {frequencies.max():.4g} Hz" in response.summary()
+    assert f"a branch apart from {frequencies.min():.4g} to {frequencies.max():.4g} Hz" in response_summary(response)
     drawn = [y for line in response_picture(response, 0).data for y in line.y if y is not None]
     assert max(drawn) == pytest.approx(max(amplitudes))
 

@@ -13,11 +13,13 @@ from pipeclamp_identification.on_pipe.sines import compare_pipe
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.response.curves import Curve, FrequencyResponse
+from pipeclamp_system.response.run import curve_of
+from pipeclamp_system.response.summary import response_summary
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import ResponseTable
 from pipeclamp_system.steady.detached import leaving_branches
-from pipeclamp_system.steady.response import Curve, FrequencyResponse, curve_of
 from pipeclamp_system.steady.states import SteadyState, half_range
 
 FIRST, LAST = 1.8, 4.0
@@ -66,7 +68,7 @@ def test_the_branch_joins_the_curve_at_both_ends_and_its_mirror_image_is_left_ou
     means = np.array([state.clamps[0, 0].real for state in branch[1:-1]])
     assert np.all(means > 0) or np.all(means < 0)
     assert curve.detached == ()
-    summary = FrequencyResponse("gap", ("c",), (), "", (curve,), (), ({},)).summary()
+    summary = response_summary(FrequencyResponse("gap", ("c",), (), "", (curve,), (), ({},)))
     assert "a less symmetric branch from 2.1" in summary
     assert "off the middle by up to 0.07 mm" in summary
 

@@ -14,7 +14,8 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.static_stability import about_rest
 from pipeclamp_system.description.system import read_system
-from pipeclamp_system.steady.response import run_response
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.response.summary import response_summary
 
 E, OUTER, WALL, PLACE = 195e3, 60.3, 3.91, 2000.0
 """N/mm2 of 316L at 20 degC, mm."""
@@ -76,7 +77,7 @@ def test_a_response_of_a_pipe_that_leaves_its_rest_says_so(system: Callable[...,
     path = system({"k10": -2 * HELD})
     more = "[response]\nfrom_Hz = 12.0\nto_Hz = 13.0\ndots = 0\n"
     path.write_text(path.read_text(encoding="utf-8") + more, encoding="utf-8")
-    said_of_it = run_response(path).summary()
+    said_of_it = response_summary(run_response(path))
     assert "warning: clamp 'clamp1' has a negative stiffness at rest" in said_of_it
     assert "step_s" not in said_of_it
 

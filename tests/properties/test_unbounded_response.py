@@ -13,9 +13,12 @@ from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_system.description.system import ResponseTable
+from pipeclamp_system.response.curves import Curve, FrequencyResponse
+from pipeclamp_system.response.run import curve_of
+from pipeclamp_system.response.summary import response_summary
+from pipeclamp_system.response.table import write_response
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.steady.response import Curve, FrequencyResponse, curve_of, write_response
 from pipeclamp_system.steady.states import half_range
 
 LENGTH_MM = 3000.0
@@ -59,7 +62,7 @@ def test_a_response_without_damping_ends_at_the_pipe_s_length(
     assert len(found.states) < 250
     assert not found.followed.in_time
     assert not found.detached
-    said = told(found).summary()
+    said = response_summary(told(found))
     assert "; not bounded about 8.5" in said
     assert "Hz, for lack of damping\n" in said
     assert "a curve ends as a clamp moves farther than the pipe is long" in said
@@ -87,4 +90,4 @@ def test_what_damping_bounds_is_followed_to_the_end(
     found = curve(acceleration=acceleration, c0=c0, ratio=ratio)
     assert found.followed.whole
     assert (largest(found) > LENGTH_MM) == (acceleration > 1.0)
-    assert "bounded" not in told(found).summary()
+    assert "bounded" not in response_summary(told(found))

@@ -26,11 +26,12 @@ from pipeclamp_system.bands.response_bands import CurveBands, PeakBand, PieceBan
 from pipeclamp_system.bands.sensitivity import conditions_at, moves, with_laws
 from pipeclamp_system.bands.varied import gaps
 from pipeclamp_system.description.system import SystemDescription, read_system
+from pipeclamp_system.response.curves import Curve, FrequencyResponse, label
+from pipeclamp_system.response.run import curve_of
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
-from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, curve_of, label
-from pipeclamp_system.steady.states import SteadyState
+from pipeclamp_system.steady.states import SteadyState, amplitudes_of
 
 MOST_DRAWS = 400
 """Of what isn't known, that the bands of curves are made of."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.band import Band, ends_words, origin_words, steps_of
-from pipeclamp_system.steady.response import FrequencyResponse, label
+from pipeclamp_system.response.curves import FrequencyResponse, label
 
 
 @dataclass(frozen=True, eq=False)

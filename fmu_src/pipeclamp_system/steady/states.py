@@ -141,6 +141,11 @@ def half_range(harmonics: ComplexArray) -> Array:
     return np.asarray(np.ptp(sampled(harmonics, SAMPLES_PER_CYCLE), axis=1) / 2)
 
 
+def amplitudes_of(state: SteadyState) -> tuple[float, ...]:
+    """Give half the peak-to-peak displacement of each clamp and probe, mm."""
+    return tuple(half_range(np.vstack([state.clamps, state.probes])).tolist())
+
+
 def span(low: float, high: float) -> str:
     """Say a range of frequencies, Hz."""
     return f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"

@@ -26,8 +26,7 @@ from pipeclamp_system.description.excitation import require_kind
 from pipeclamp_system.description.system import PipeSource, SystemDescription
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
-from pipeclamp_system.steady.response import amplitudes_of
-from pipeclamp_system.steady.states import SteadyState, about_unbounded
+from pipeclamp_system.steady.states import SteadyState, about_unbounded, amplitudes_of
 from pipeclamp_system.study.description import Study, Values
 
 Row = dict[str, Any]

@@ -19,7 +19,9 @@ from pipeclamp_identification.workflow.systems.computed import Responded, respon
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.said import counted
-from pipeclamp_system.steady.response import FrequencyResponse, peaks_of, response_frame, write_response
+from pipeclamp_system.response.curves import FrequencyResponse, peaks_of
+from pipeclamp_system.response.summary import response_summary
+from pipeclamp_system.response.table import response_frame, write_response
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
@@ -110,7 +112,7 @@ class Response(Reported):
         from pipeclamp.pages.system.cosim import answer_first
 
         banded = self.bands.words() if self.bands else ()
-        return [], [*answer_first(self.found.summary().splitlines()), *banded, self._following().words()]
+        return [], [*answer_first(response_summary(self.found).splitlines()), *banded, self._following().words()]
 
     def __repr__(self) -> str:
         """Give the system and how many curves there are."""

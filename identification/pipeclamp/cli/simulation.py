@@ -240,7 +240,7 @@ def response(
     from pipeclamp.pages.system.response import response_page
     from pipeclamp_identification.workflow.systems.computed import respond
     from pipeclamp_identification.workflow.systems.next_in_system import after_response
-    from pipeclamp_system.steady.response import write_response
+    from pipeclamp_system.response.table import write_response
 
     spare(system, outputs=(output, report))
     with showing_progress("response") as tell:

@@ -151,7 +151,9 @@ def respond(
     """Describe the pipe with the law's clamp, find its response, and write description, curves and pictures."""
     from pipeclamp.pages.alternative import words_of
     from pipeclamp.pages.system.response import WORDS, response_picture
-    from pipeclamp_system.steady.response import run_response, write_response
+    from pipeclamp_system.response.run import run_response
+    from pipeclamp_system.response.summary import response_summary
+    from pipeclamp_system.response.table import write_response
 
     tell("the pipe's own resonances")
     path = Path(system)
@@ -163,7 +165,9 @@ def respond(
     write_response(found, Path(output))
     figures = [response_picture(found, index).update_layout(height=None) for index in range(len(found.points))]
     pictures = tuple((_specification(figure), words_of(figure)) for figure in figures)
-    write_whole(Path(shown), OnPipe(words=(WORDS, *found.summary().splitlines()), pictures=pictures).json_text())
+    write_whole(
+        Path(shown), OnPipe(words=(WORDS, *response_summary(found).splitlines()), pictures=pictures).json_text()
+    )
     return {"file": Path(output).name}
 
 

@@ -16,8 +16,9 @@ from pipeclamp_system.bands.described import unknown_of
 from pipeclamp_system.bands.response import banded_system
 from pipeclamp_system.bands.response import refuse as refuse_bands
 from pipeclamp_system.bands.varied import gaps
+from pipeclamp_system.response.curves import label
+from pipeclamp_system.response.run import run_response
 from pipeclamp_system.steady.described import read_responding, steady_clamps
-from pipeclamp_system.steady.response import label, run_response
 
 
 def plan_tests(

@@ -21,10 +21,10 @@ from pipeclamp_system.bands.response import BandedSystem
 from pipeclamp_system.bands.response_bands import PeakBand
 from pipeclamp_system.bands.sensitivity import conditions_at
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
+from pipeclamp_system.response.curves import Curve
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import steady_clamps
-from pipeclamp_system.steady.response import Curve, amplitudes_of
-from pipeclamp_system.steady.states import SteadyState
+from pipeclamp_system.steady.states import SteadyState, amplitudes_of
 
 MOST_TESTS = 5
 """That are proposed one after another."""

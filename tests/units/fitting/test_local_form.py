@@ -21,7 +21,8 @@ from pipeclamp_models.law.file import KrigedShare, LocalForm, read_law, write_la
 from pipeclamp_models.law.local_form import Kriged, likeness, squares
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
-from pipeclamp_system.steady.response import amplitudes_of, run_response
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.steady.states import amplitudes_of
 
 AT = {"A": (0.1, 0.2, 0.4, 0.8), "f": (2.0, 8.0, 2.0, 8.0)}
 

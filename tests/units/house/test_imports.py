@@ -16,7 +16,9 @@ ROOTS = {
 ROOMS = {
     "pipeclamp_models": ("base", "equations", "effects", "law", "steps", "realise", "pipe"),
     "pipeclamp_fmu": ("slaves", "describe", "contents", "python", "native"),
-    "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "bands", "study"),
+    "pipeclamp_system": (
+        "description", "fmus", "coupling", "transient", "cosim", "steady", "response", "bands", "study",
+    ),
     "pipeclamp_identification": (
         "signals", "units", "campaign", "loops", "fitting", "comparison", "diagnosis", "discovery", "metrics_only",
         "importing", "on_pipe", "attribution", "planning", "workflow",

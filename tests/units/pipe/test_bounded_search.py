@@ -7,12 +7,15 @@ from cantilever import FOUR_METRES
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
-from pipeclamp_system.steady import detached, response
+from pipeclamp_system.response import run
+from pipeclamp_system.response.curves import FrequencyResponse
+from pipeclamp_system.response.run import curve_of
+from pipeclamp_system.response.summary import response_summary
+from pipeclamp_system.steady import detached
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.continuation import Equation, Evaluated, Solution, Steps, Work, follow
 from pipeclamp_system.steady.described import ResponseTable
-from pipeclamp_system.steady.response import FrequencyResponse, curve_of
 
 
 def hardening() -> SteadySystem:
@@ -26,7 +29,7 @@ def hardening() -> SteadySystem:
 def said_of(table: ResponseTable) -> tuple[str, list[str]]:
     told: list[str] = []
     curve = curve_of(hardening(), table, None, 1.0, "", told.append)
-    return FrequencyResponse("x", ("c",), (), "", (curve,), (), ({},)).summary(), told
+    return response_summary(FrequencyResponse("x", ("c",), (), "", (curve,), (), ({},))), told
 
 
 def test_a_search_that_takes_too_much_ends_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -37,8 +40,8 @@ def test_a_search_that_takes_too_much_ends_and_says_so(monkeypatch: pytest.Monke
     assert any(one.startswith("followed to") for one in told)
     assert sum(one.startswith("branches apart") for one in told) == 3
 
-    monkeypatch.setattr(response, "MOST_SEARCH", 3000.0)
-    monkeypatch.setattr(response, "LEAST_SEARCH", 3000.0)
+    monkeypatch.setattr(run, "MOST_SEARCH", 3000.0)
+    monkeypatch.setattr(run, "LEAST_SEARCH", 3000.0)
     said, told = said_of(table)
     assert "further branches were not sought to the end" in said
     assert sum(one.startswith("branches apart") for one in told) < 3

@@ -23,7 +23,7 @@ from pipeclamp_models.law.range import conditions_beyond
 from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
-from pipeclamp_system.steady.response import run_response
+from pipeclamp_system.response.run import run_response
 
 
 def test_a_test_leaves_what_bayes_rule_says():

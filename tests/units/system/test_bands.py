@@ -14,7 +14,8 @@ from pipeclamp_system.bands.band import Band, band_of, ends_words, steps_of
 from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import BandedSystem, banded_system, response_bands
 from pipeclamp_system.bands.varied import varied
-from pipeclamp_system.steady.response import amplitudes_of, run_response
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.steady.states import amplitudes_of
 
 
 def of_curve(curve):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pipeclamp_system.cosim.repetition import REPEATING_SHARE, off_a_cycle_before
-from pipeclamp_system.steady.dots import Dot
-from pipeclamp_system.steady.response import FrequencyResponse
+from pipeclamp_system.response.curves import FrequencyResponse
+from pipeclamp_system.response.dots import Dot
 
 FREQUENCY = 8.0
 

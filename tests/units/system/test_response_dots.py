@@ -20,9 +20,10 @@ from pipeclamp_system.cosim.result import write_result
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.summary import summary_of
 from pipeclamp_system.description.system import read_system
-from pipeclamp_system.steady import dots as response_dots
-from pipeclamp_system.steady.dots import CLOSE_SHARE, Rest, co_simulated
-from pipeclamp_system.steady.response import run_response
+from pipeclamp_system.response import dots as response_dots
+from pipeclamp_system.response.dots import CLOSE_SHARE, Rest, co_simulated
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.response.summary import response_summary
 
 MET = 3.18
 """Hz. 64 steps a cycle come at 203.5 Hz, where the example's second residual mode (205.7 Hz) rings with their corners;
@@ -107,7 +108,7 @@ def test_a_dot_takes_the_step_at_which_it_is_right(tmp_path: Path) -> None:
     assert dot.trusted
     assert dot.step == pytest.approx(1 / (128 * MET))
     assert dot.difference < CLOSE_SHARE
-    assert "NOT TO BE TRUSTED" not in found.summary()
+    assert "NOT TO BE TRUSTED" not in response_summary(found)
 
 
 def test_a_dot_off_the_curve_is_confirmed_by_a_finer_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,5 +152,5 @@ def test_what_is_highest_where_the_range_ends_is_no_resonance(tmp_path: Path) ->
         ("from_Hz = 3.2\nto_Hz = 5.5\ndots = 0", False),
     ):
         file.write_text(SYSTEM.format(frequency=MET, step=0.005).replace(ends, stated), encoding="utf-8")
-        first = next(line for line in run_response(file).summary().splitlines() if "peak " in line)
+        first = next(line for line in response_summary(run_response(file)).splitlines() if "peak " in line)
         assert ("(where the range ends)" in first) is told, first

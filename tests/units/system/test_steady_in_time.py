@@ -21,10 +21,12 @@ from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_models.realise.scalar_law import scalar_law
 from pipeclamp_system.bands.response import banded_system
 from pipeclamp_system.description.system import read_system
+from pipeclamp_system.response.run import run_response
+from pipeclamp_system.response.summary import response_summary
+from pipeclamp_system.response.table import write_response
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.cycles import machine_clamps
 from pipeclamp_system.steady.described import steady_clamps
-from pipeclamp_system.steady.response import run_response, write_response
 from pipeclamp_system.steady.start import settled
 from pipeclamp_system.steady.states import half_range
 
@@ -154,7 +156,10 @@ def test_a_response_is_marched_where_nothing_is_balanced(tmp_path, write_law):
     frequencies = [state.frequency for state in curve.states]
     amplitudes = [half_range(state.clamps)[0] for state in curve.states]
     assert np.interp(3.0, frequencies, amplitudes) == pytest.approx(TRUTH[3.0][0], rel=5e-3)
-    assert f"found in time from 2.9 to 3.3 Hz, where nothing is balanced: {len(frequencies)} motions" in found.summary()
+    assert (
+        f"found in time from 2.9 to 3.3 Hz, where nothing is balanced: {len(frequencies)} motions"
+        in response_summary(found)
+    )
     write_response(found, tmp_path / "r.csv")
     table = pl.read_csv(tmp_path / "r.csv")
     assert set(table["kind"]) == {"in time"}

@@ -12,7 +12,8 @@ import pytest
 from pipeclamp.pages.system.study import _unstable_words
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.bands.response import banded_system
-from pipeclamp_system.steady.response import Curve, FrequencyResponse, stretches
+from pipeclamp_system.response.curves import Curve, FrequencyResponse, stretches
+from pipeclamp_system.response.summary import response_summary
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState
 
 
@@ -34,7 +35,7 @@ def test_a_stable_stretch_between_two_unstable_ones_is_no_part_of_either():
     assert unstable(BENT) == [(6.0, 7.0), (10.0, 11.0)]
     assert unstable(BENT, states((6.8, 1), (7.4, 1))) == [(6.0, 7.4), (10.0, 11.0)]
     curve = Curve(None, 1.0, FollowedResponse((BENT,), whole=True))
-    said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
+    said = response_summary(FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)))
     assert "; unstable from 6 to 7 Hz, from 10 to 11 Hz" in said
 
 
@@ -45,14 +46,14 @@ def test_where_a_response_was_given_up_the_way_out_is_said():
         (FollowedResponse(pieces[:1], whole=False), "beyond"),
     ):
         curve = Curve(None, 1.0, followed)
-        said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
+        said = response_summary(FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)))
         assert f"only: what lies {missing} is missing; run sines there in time by `pipeclamp cosim`" in said
 
 
 def test_where_harmonics_are_left_out_is_told_stretch_by_stretch():
     left_out = [replace(one, truncated=0.02 if one.frequency in (5.0, 12.0) else 0.001) for one in BENT]
     curve = Curve(None, 1.0, FollowedResponse((tuple(left_out),), whole=True))
-    said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
+    said = response_summary(FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)))
     assert "more than 1% at 5 Hz, at 12 Hz: " in said
 
 

@@ -11,7 +11,7 @@ from pipeclamp.pages.system.study import study_sections
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_system.bands.band import steps_of
 from pipeclamp_system.bands.response import response_bands
-from pipeclamp_system.steady.response import run_response
+from pipeclamp_system.response.run import run_response
 from pipeclamp_system.study.description import read_study
 from pipeclamp_system.study.run import run_study
 

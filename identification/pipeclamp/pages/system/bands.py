@@ -15,7 +15,7 @@ from pipeclamp_system.bands.band import Band, figures
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KIND_WORDS
 from pipeclamp_system.bands.response_bands import PieceBand, ResponseBands
-from pipeclamp_system.steady.response import label
+from pipeclamp_system.response.curves import label
 from pipeclamp_system.steady.states import SteadyState
 
 FAINT = 0.18

@@ -14,9 +14,10 @@ from pipeclamp.show.table import Table
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_system.bands.response_bands import ResponseBands
 from pipeclamp_system.description.trust_mark import DOUBT
-from pipeclamp_system.steady.dots import Dot
-from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, label
-from pipeclamp_system.steady.states import SteadyState
+from pipeclamp_system.response.curves import Curve, FrequencyResponse, label
+from pipeclamp_system.response.dots import Dot
+from pipeclamp_system.response.summary import response_summary
+from pipeclamp_system.steady.states import SteadyState, amplitudes_of
 
 WIDE = 4.0
 """Levels that differ by more than this factor are drawn on a logarithmic axis."""
@@ -59,7 +60,7 @@ def response_sections(
     ]  # fmt: skip
     tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
     return [
-        answer_section(response.summary().splitlines(), following),
+        answer_section(response_summary(response).splitlines(), following),
         *([bands_section(bands)] if bands else []),
         Section("Frequency response", (WORDS,), (), pictures),
         *([Section("Co-simulations", (), tables)] if tables else []),

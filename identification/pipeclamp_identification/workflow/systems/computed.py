@@ -16,7 +16,7 @@ from pipeclamp_system.description.system import read_system
 if TYPE_CHECKING:
     from pipeclamp_system.bands.ensemble import RunBands
     from pipeclamp_system.bands.response_bands import ResponseBands
-    from pipeclamp_system.steady.response import FrequencyResponse
+    from pipeclamp_system.response.curves import FrequencyResponse
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def respond(
         UserError: the system can't be read or built, has no sine, no law or nothing to show, or a co-simulation fails.
         UsageError: the share can't be held by a band, or a limit is for no clamp or probe, or without a band.
     """
-    from pipeclamp_system.steady.response import run_response
+    from pipeclamp_system.response.run import run_response
 
     if per_cent is None:
         if limits:

@@ -16,7 +16,7 @@ from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.law_conditions import motion_conditions
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.description.system import SystemDescription, read_system
-from pipeclamp_system.steady.response import FrequencyResponse
+from pipeclamp_system.response.curves import FrequencyResponse
 from pipeclamp_system.study.case import TRUSTED
 from pipeclamp_system.study.description import Study
 
