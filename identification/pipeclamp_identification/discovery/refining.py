@@ -151,7 +151,7 @@ class Refining:
 
 
 def _may_be_refined(found: TermFound) -> bool:
-    """Tell whether a term passes what it must to be refined: with a part of it missing it may fail what it must later."""
+    """Tell whether a term passes what it must to be refined: with a part missing it may fail what it must later."""
     needed = GUARDS_IN_PLACE if found.gone else GUARDS_BESIDE
     return all(guard.passed for guard in found.guards if guard.name in needed)
 

@@ -120,7 +120,7 @@ def test_where_the_best_refined_form_fails_the_next_is_asked(hearing, monkeypatc
 
 def test_a_form_that_fails_on_the_way_is_refined_further(hearing, monkeypatch):
     """In the place of effects a term with one number free failed where these foretell better, and two were needed."""
-    square, linear, other = hearing.refitted
+    _, linear, other = hearing.refitted
 
     def asked(self, best, rivals):
         chance, edges = Guard("more than chance", True, ""), Guard("does no harm beyond", False, "")
