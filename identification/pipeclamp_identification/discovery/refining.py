@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
-from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD, UNEXPLAINED_SHARE
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn
 from pipeclamp_identification.discovery.following import followed_otherwise
 from pipeclamp_identification.discovery.freeing import refinements
@@ -120,7 +120,7 @@ class Refining:
             found = wider.of(best, rivals)
             if found.passed:
                 return found, best, wider
-            if on_the_way is None and _may_be_refined(found):
+            if on_the_way is None and _may_be_refined(found) and _comes_near(best, hearing):
                 on_the_way = found, best, wider
         return on_the_way
 
@@ -154,6 +154,14 @@ def _may_be_refined(found: TermFound) -> bool:
     """Tell whether a term passes what it must to be refined: with a part missing it may fail what it must later."""
     needed = GUARDS_IN_PLACE if found.gone else GUARDS_BESIDE
     return all(guard.passed for guard in found.guards if guard.name in needed)
+
+
+def _comes_near(form: RefittedTerm, hearing: Hearing) -> bool:
+    """Tell whether a term in the place of effects explains what they do, by and large: else a number more won't do."""
+    if not hearing.gone:
+        return True
+    having, lacking = hearing.bar.law.squares, hearing.evaluation.law.squares
+    return form.squares - having <= UNEXPLAINED_SHARE**2 * (lacking - having)
 
 
 def best_first(

@@ -118,19 +118,32 @@ def test_where_the_best_refined_form_fails_the_next_is_asked(hearing, monkeypatc
     assert asked[0].squares <= asked[1].squares + RIVAL_LIKELIHOOD
 
 
-def test_a_form_that_fails_on_the_way_is_refined_further(hearing, monkeypatch):
-    """In the place of effects a term with one number free failed where these foretell better, and two were needed."""
+@pytest.mark.parametrize(
+    ("gone", "ahead", "goes_on"), [((), 1e9, True), (("stribeck",), 0.0, True), (("stribeck",), 1e9, False)]
+)
+def test_a_form_that_fails_on_the_way_is_refined_further(hearing, monkeypatch, gone, ahead, goes_on):
+    """In the place of effects a term with one number free failed where these foretell better, and two were needed.
+
+    But not where they are so far ahead of it that it isn't what they stand for.
+    """
     _, linear, other = hearing.refitted
 
     def asked(self, best, rivals):
         chance, edges = Guard("more than chance", True, ""), Guard("does no harm beyond", False, "")
-        return TermFound(best.term, best.judged, hearing.bar.law, (), "", (chance, edges), ("stribeck",))
+        return TermFound(best.term, best.judged, hearing.bar.law, (), "", (chance, edges), gone)
 
     monkeypatch.setattr(refining, "may_join", lambda one, other: False)
     monkeypatch.setattr(refining, "betters", lambda best, plain, tried, hearing: True)
     monkeypatch.setattr(Hearing, "of", asked)
-    asked_with = replace(hearing, refitted=[linear, other])
-    form, best, wider = Refining(((), {}), ALONE)._one_more(linear, asked_with)
+    heard, near = weighed_by(linear, [linear], replace(hearing, refitted=[linear, other]))
+    bar = replace(heard.bar, law=SimpleNamespace(squares=heard.bar.law.squares - ahead))
+    heard = replace(heard, gone=gone, bar=bar)
+    monkeypatch.setattr(refining, "weighed_by", lambda best, others, hearing: (heard, near))
+    further = Refining(((), {}), ALONE)._one_more(linear, heard)
+    assert (further is not None) == goes_on
+    if further is None:
+        return
+    form, best, wider = further
     assert not form.passed
     assert best.term is form.term
     assert best in wider.refitted
