@@ -94,25 +94,53 @@ class WithoutGroups:
             groups: the group of each run, shape (R,); -1 for those that are never left out, whose score is zero.
         """
         seen = self.observations.loops.seen
+        squares, mean_squares = np.zeros(len(groups)), np.zeros(len(groups))
+        for group in range(int(groups.max()) + 1):
+            own = groups == group
+            residual, error = self._foretold(own)
+            squares[own] = np.nan_to_num(np.sum(residual**2, axis=1), nan=np.inf)
+            mean_squares[own] = mean_squares_of(np.where(seen[own], error, 0.0))
+        return LeftOutScore(squares, mean_squares)
+
+    def unlikelihood(self, own: BoolArray) -> float:
+        """Give minus twice the log likelihood of a group of runs, foretold by the others, but for what noise has of it.
+
+        What the others don't determine they foretell vaguely: what lies within that is unlikely for its width alone,
+        where squares would count it as an error. For linear laws this is the predictive likelihood (Rasmussen and
+        Williams 2006, Gaussian Processes for Machine Learning, 5.4.2, for one run).
+
+        Args:
+            own: which runs are left out, shape (R,).
+        """
+        residual = self._foretold(own)[0].ravel()
+        slopes = np.nan_to_num(self._slopes_of(own))
+        pull = slopes.T @ np.nan_to_num(residual)
+        every = np.linalg.pinv(slopes.T @ slopes + self._known_without(own), rcond=OPEN_SHARE, hermitian=True)
+        shares = np.clip(np.linalg.eigvals(self.shares(own)).real, 0.0, 1 - OPEN_SHARE)
+        unlikely = float(residual @ residual - pull @ every @ pull - np.sum(np.log1p(-shares)))
+        return unlikely if np.isfinite(unlikely) else np.inf
+
+    def _foretold(self, own: BoolArray) -> tuple[Array, Array]:
+        """Give the whitened residuals and the plain ones of a group, as the others foretell it."""
+        plain, plain_slopes = self._plain
+        step = self._step(own)
+        residual = self.fitted.residual[own] + self.fitted.jacobian[own] @ step
+        error = plain[own] + plain_slopes[own] @ step
+        pull = residual - self.fitted.residual[own]
+        if not np.sum(pull**2) < np.sum(self.fitted.residual[own] ** 2):
+            residual, error = self._evaluated(step, own, plain[own])
+        return residual, error
+
+    @cached_property
+    def _plain(self) -> tuple[Array, Array]:
+        """Residuals in N at the fit, what factors of groups explain left aside, and their derivatives."""
         plain = self.observations.loops.plain_residual(self.result.law_force)
         slopes = self.observations.loops.plain_slopes(self.result.law_force, self.result.places)
         if self.observations.factors is not None:
             shown = self.observations.factors.beside(self.result.law_force)
             plain = plain - shown.force(self.fitted.factors)
             slopes = np.concatenate([slopes, -shown.directions])
-        plain_slopes = np.moveaxis(slopes, 0, -1)
-        squares, mean_squares = np.zeros(len(groups)), np.zeros(len(groups))
-        for group in range(int(groups.max()) + 1):
-            own = groups == group
-            step = self._step(own)
-            residual = self.fitted.residual[own] + self.fitted.jacobian[own] @ step
-            error = plain[own] + plain_slopes[own] @ step
-            pull = residual - self.fitted.residual[own]
-            if not np.sum(pull**2) < np.sum(self.fitted.residual[own] ** 2):
-                residual, error = self._evaluated(step, own, plain[own])
-            squares[own] = np.nan_to_num(np.sum(residual**2, axis=1), nan=np.inf)
-            mean_squares[own] = mean_squares_of(np.where(seen[own], error, 0.0))
-        return LeftOutScore(squares, mean_squares)
+        return plain, np.moveaxis(slopes, 0, -1)
 
     def _step(self, own: BoolArray) -> Array:
         """Give how the fitted parameters would move without a group, by the linear formula, inside their bounds."""

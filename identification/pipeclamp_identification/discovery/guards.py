@@ -86,7 +86,8 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
     """Ask whether the law with a term foretells the largest amplitudes and the highest frequencies from the others.
 
     What lies above the largest amplitude over `BEYOND_A`, and above the highest frequency over `BEYOND_F`, is left out:
-    the law is stretched as far as the term may be used beyond the tests, as far as their levels allow.
+    the law is stretched as far as the term may be used beyond the tests, as far as their levels allow. What the tests
+    that stay don't determine of either law speaks against neither: the shorter one, too, would know less without them.
 
     Args:
         law: without the term.
@@ -102,9 +103,9 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
         if not edge.any():
             continue
         asked.append(name)
-        without, with_it = (_squares_left_out(each, problem, np.where(edge, 0, -1)) for each in (law, found))
+        without, with_it = (_unlikelihood(each, problem, edge) for each in (law, found))
         if foretold_worse(without, with_it):
-            worse.append(f"{name} ({without:.0f} -> {with_it:.0f} squares)")
+            worse.append(f"{name} (-2 log likelihood {without:.0f} -> {with_it:.0f})")
             if len(number_levels(values[~edge], relative=SAME_SHARE)) == FEWEST_LEVELS_LEFT:
                 few.append(name)
     words = f"left out, the highest {' and '.join(worse or asked)} are foretold {'worse' if worse else 'no worse'}"
@@ -174,13 +175,22 @@ def levels_between(loops: Loops) -> dict[str, IntArray]:
 
 def _squares_left_out(judged: Judged, problem: Problem, groups: IntArray) -> float:
     """Give the squares of groups of runs, in units of their noise, where a law isn't fitted to them; of -1 none."""
+    return float(_without_groups(judged, problem).score(groups).squares.sum())
+
+
+def _unlikelihood(judged: Judged, problem: Problem, own: BoolArray) -> float:
+    """Give minus twice the log likelihood of runs that a law isn't fitted to."""
+    return _without_groups(judged, problem).unlikelihood(own)
+
+
+def _without_groups(judged: Judged, problem: Problem) -> WithoutGroups:
+    """Prepare a judged law for leaving groups out."""
     result, law = judged.result, judged.result.law
     force = force_of_equations(
         result.equations, law.vector(result.equations), (law.v_r, law.y_r), problem.observations.motion,
         derivatives=True,
     )  # fmt: skip
-    whole = WithoutGroups(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
-    return float(whole.score(groups).squares.sum())
+    return WithoutGroups(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
 
 
 def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:

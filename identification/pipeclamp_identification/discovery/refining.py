@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from pipeclamp_identification.diagnosis.foretold import share_of_error
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
-from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD, UNEXPLAINED_SHARE
 from pipeclamp_identification.discovery.columns import Evaluation, TermColumn
 from pipeclamp_identification.discovery.following import followed_otherwise
 from pipeclamp_identification.discovery.freeing import refinements
@@ -63,25 +63,29 @@ class Refining:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
 
         A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no
-        worse what was kept back and what lies beyond, and pass all that is asked of a term.
+        worse what was kept back and what lies beyond, and pass all that is asked of a term. On the way it needn't: with
+        one thing missing still, a form may fail where the next one passes.
 
         Args:
             found: the term.
             best: the same, fitted together with the law.
             hearing: what it was asked with.
         """
-        needed = GUARDS_IN_PLACE if found.gone else GUARDS_BESIDE
-        if any(not guard.passed for guard in found.guards if guard.name in needed):
+        if not _may_be_refined(found):
             return found
         plain, asked = found, hearing
         while (further := self._one_more(best, hearing)) is not None:
-            found, best, hearing = further
+            form, best, hearing = further
+            found = form if form.passed else found
         if found is plain:
             return plain
         return replace(found, judged=weighed_as(found.judged, asked.evaluation.problem), law=asked.bar.law)
 
     def _one_more(self, best: RefittedTerm, hearing: Hearing) -> tuple[TermFound, RefittedTerm, Hearing] | None:
-        """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
+        """Give a term with one thing more, and what it was asked with; None where that isn't asked for.
+
+        The best that passes all, else the best that may be refined further.
+        """
         self.workers.tell(f"refine {best.term.acts_like}")
         shorter = [one for one in hearing.refitted if one.term.declaration.id in best.term.shorter]
         hearing, again = weighed_by(best, [best, *shorter], hearing)
@@ -108,11 +112,17 @@ class Refining:
         ]
         tried = best_of_each(one for one in fitted if one.stands)
         wider = replace(hearing, refitted=[*hearing.refitted, *tried])
+        on_the_way = None
         for best, rivals in best_first(tried, plain, wider):
             material = share_of_error(best.judged, plain.judged) >= MATERIAL_PART_SHARE
-            if material and betters(best, plain, tried, hearing) and (found := wider.of(best, rivals)).passed:
+            if not material or not betters(best, plain, tried, hearing):
+                continue
+            found = wider.of(best, rivals)
+            if found.passed:
                 return found, best, wider
-        return None
+            if on_the_way is None and _may_be_refined(found) and _comes_near(best, hearing):
+                on_the_way = found, best, wider
+        return on_the_way
 
     def _freed(self, one: RefittedTerm) -> Iterator[Form]:
         """Give a term with each of its numbers freed, and values to start from."""
@@ -138,6 +148,20 @@ class Refining:
                     for own in starts
                 ],
             )
+
+
+def _may_be_refined(found: TermFound) -> bool:
+    """Tell whether a term passes what it must to be refined: with a part missing it may fail what it must later."""
+    needed = GUARDS_IN_PLACE if found.gone else GUARDS_BESIDE
+    return all(guard.passed for guard in found.guards if guard.name in needed)
+
+
+def _comes_near(form: RefittedTerm, hearing: Hearing) -> bool:
+    """Tell whether a term in the place of effects explains what they do, by and large: else a number more won't do."""
+    if not hearing.gone:
+        return True
+    having, lacking = hearing.bar.law.squares, hearing.evaluation.law.squares
+    return form.squares - having <= UNEXPLAINED_SHARE**2 * (lacking - having)
 
 
 def best_first(

@@ -11,7 +11,7 @@ from pipeclamp_identification.discovery.guards import Guard, passive
 from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import TermProposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
-from pipeclamp_identification.workflow.change import LawChange, add_effect, takes, without_spares
+from pipeclamp_identification.workflow.change import LawChange, add_effect, stays_as_good, takes, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
@@ -109,10 +109,13 @@ def _put_in(
 def _on_all_tests(added: LawChange, *, beside: bool) -> Guard:
     """Ask whether a law does better with a term on all tests; by a material part, as an effect, where it stands beside.
 
-    What stands in the place of effects may do as well as these with fewer parameters.
+    What stands in the place of effects may do as well as these with fewer parameters, as a law that loses a spare one.
     """
     before, after = added.heldout
     words = f"on left-out conditions of all tests {before:.2%} -> {after:.2%}"
-    material = not beside or takes([added], MATERIAL_PART_SHARE)
+    falls, material = after < before, not beside or takes([added], MATERIAL_PART_SHARE)
+    shorter = len(added.after.coefficients) < len(added.before.coefficients)
+    if not beside and not falls and shorter and stays_as_good(added):
+        return Guard("on all tests", True, f"{words}: as well with fewer parameters")
     little = f": less than {MATERIAL_PART_SHARE:.0%} of what is missing there (mean square beyond scatter)"
-    return Guard("on all tests", after < before and material, words if material or after >= before else words + little)
+    return Guard("on all tests", falls and material, words if material or not falls else words + little)

@@ -138,17 +138,26 @@ def test_where_the_best_term_does_not_hold_on_all_tests_the_next_is_put_in(tests
 
 
 @pytest.mark.parametrize(
-    ("after", "beside", "passes", "told"),
+    ("after", "beside", "gone", "passes", "told"),
     [
-        (0.1540, True, False, "less than 5% of what is missing there"),
-        (0.1496, True, True, ""),
-        (0.1540, False, True, ""),  # fewer parameters in the place of effects
-        (0.1560, True, False, ""),
+        (0.1540, True, 0, False, "less than 5% of what is missing there"),
+        (0.1496, True, 0, True, ""),
+        (0.1540, False, 2, True, ""),
+        (0.1560, True, 0, False, ""),
+        (0.1560, False, 2, True, "as well with fewer parameters"),
+        (0.1560, False, 0, False, ""),  # as many
+        (0.1600, False, 2, False, ""),
     ],
 )
-def test_a_term_beside_a_law_takes_a_material_part_on_all_tests(after, beside, passes, told):
-    """Of a measured device a slip force that follows the frequency was proposed for 15.51 to 15.40 %."""
-    change = SimpleNamespace(heldout=BeforeAfter(0.1551, after), noise_nrmse=0.0475)
+def test_a_term_beside_a_law_takes_a_material_part_on_all_tests(after, beside, gone, passes, told):
+    """Of a measured device a slip force that follows the frequency was proposed for 15.51 to 15.40 %.
+
+    One in the place of two effects had been refused where the error rose by a hundredth of itself.
+    """
+    before, law = (SimpleNamespace(coefficients=dict.fromkeys(range(count))) for count in (16, 16 - gone))
+    change = SimpleNamespace(
+        heldout=BeforeAfter(0.1551, after), nrmse=BeforeAfter(0.15, 0.15), noise_nrmse=0.0475, before=before, after=law
+    )
     guard = putting._on_all_tests(change, beside=beside)
     assert guard.passed is passes
     assert (told in guard.words) if told else guard.words.endswith(f"{after:.2%}")

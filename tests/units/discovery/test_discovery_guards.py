@@ -214,12 +214,12 @@ def test_what_was_added_in_vain_need_not_be_bettered():
 @pytest.mark.parametrize(("levels", "hint"), [((0.2, 0.5, 1.0), True), ((0.2, 0.4, 0.6, 1.0), False)])
 def test_of_few_levels_more_are_asked_for(levels, hint, monkeypatch):
     """Where two amplitudes stay, they may not determine a term that follows the amplitude, whatever it is."""
-    monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, edge: judged)
+    monkeypatch.setattr(guards, "_unlikelihood", lambda judged, problem, edge: judged)
     loops = SimpleNamespace(amplitude_mm=np.tile(levels, 4), frequency_Hz=np.full(4 * len(levels), 2.0))
     guard = beyond_the_tests(100.0, 120.0, SimpleNamespace(loops=loops))
     assert not guard.passed
     assert ("tests at more amplitudes would tell more" in guard.words) == hint
-    assert "amplitudes (100 -> 120 squares)" in guard.words
+    assert "amplitudes (-2 log likelihood 100 -> 120)" in guard.words
 
 
 @pytest.mark.parametrize(("without", "with_it", "passes"), [(92, 101, True), (92, 102, False), (50_000, 50_900, True)])
@@ -228,7 +228,7 @@ def test_as_well_means_the_same_beyond_the_tests(without, with_it, passes, monke
 
     Nor can 50900 from 50000, where the law is far off with it and without it.
     """
-    monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, edge: judged)
+    monkeypatch.setattr(guards, "_unlikelihood", lambda judged, problem, edge: judged)
     loops = SimpleNamespace(amplitude_mm=np.tile([0.2, 0.5, 1.0], 4), frequency_Hz=np.full(12, 2.0))
     assert beyond_the_tests(without, with_it, SimpleNamespace(loops=loops)).passed == passes
 

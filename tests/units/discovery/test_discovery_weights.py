@@ -14,7 +14,8 @@ from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery import refining
 from pipeclamp_identification.discovery.columns import Evaluation
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, refitted_of
+from pipeclamp_identification.discovery.guards import Guard
+from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, TermFound, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.weights import weighed_by
 from pipeclamp_identification.loops.loops import loops_of
@@ -115,3 +116,48 @@ def test_where_the_best_refined_form_fails_the_next_is_asked(hearing, monkeypatc
     first, second = (one.term.declaration.id for one in asked)
     assert first != second == found.term.declaration.id == best.term.declaration.id
     assert asked[0].squares <= asked[1].squares + RIVAL_LIKELIHOOD
+
+
+@pytest.mark.parametrize(
+    ("gone", "ahead", "goes_on"), [((), 1e9, True), (("stribeck",), 0.0, True), (("stribeck",), 1e9, False)]
+)
+def test_a_form_that_fails_on_the_way_is_refined_further(hearing, monkeypatch, gone, ahead, goes_on):
+    """In the place of effects a term with one number free failed where these foretell better, and two were needed.
+
+    But not where they are so far ahead of it that it isn't what they stand for.
+    """
+    _, linear, other = hearing.refitted
+
+    def asked(self, best, rivals):
+        chance, edges = Guard("more than chance", True, ""), Guard("does no harm beyond", False, "")
+        return TermFound(best.term, best.judged, hearing.bar.law, (), "", (chance, edges), gone)
+
+    monkeypatch.setattr(refining, "may_join", lambda one, other: False)
+    monkeypatch.setattr(refining, "betters", lambda best, plain, tried, hearing: True)
+    monkeypatch.setattr(Hearing, "of", asked)
+    heard, near = weighed_by(linear, [linear], replace(hearing, refitted=[linear, other]))
+    bar = replace(heard.bar, law=SimpleNamespace(squares=heard.bar.law.squares - ahead))
+    heard = replace(heard, gone=gone, bar=bar)
+    monkeypatch.setattr(refining, "weighed_by", lambda best, others, hearing: (heard, near))
+    further = Refining(((), {}), ALONE)._one_more(linear, heard)
+    assert (further is not None) == goes_on
+    if further is None:
+        return
+    form, best, wider = further
+    assert not form.passed
+    assert best.term is form.term
+    assert best in wider.refitted
+
+
+@pytest.mark.parametrize("last", [True, False])
+def test_what_passed_last_of_refined_forms_is_given(hearing, monkeypatch, last):
+    square, linear, other = hearing.refitted
+    plain, way, end = (
+        TermFound(one.term, one.judged, hearing.bar.law, (), "", (Guard("confirmed", passed, ""),), ("stribeck",))
+        for one, passed in ((other, False), (linear, False), (square, last))
+    )
+    forms = [(way, linear, hearing), (end, square, hearing), None]
+    monkeypatch.setattr(Refining, "_one_more", lambda self, best, hearing: forms.pop(0))
+    found = Refining(((), {}), ALONE).of(plain, other, hearing)
+    assert not forms
+    assert found.term is (square.term if last else other.term)
