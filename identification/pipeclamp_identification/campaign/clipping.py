@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from pipeclamp_identification.campaign.cycles import Cycles
-from pipeclamp_identification.campaign.faults import Channel, SensorFailure
+from pipeclamp_identification.campaign.faults import Channel, SensorFailure, StuckInPart
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_models.base.arrays import Array, BoolArray
@@ -18,6 +18,8 @@ from pipeclamp_models.base.arrays import Array, BoolArray
 FEWEST_ON_A_PLATEAU = 4
 # flat-topped loops stay longer within one quantum of their extreme than a sine does
 FLATTER_THAN_SINE = 3.0
+# share of its amplitude in the steady cycles with which a channel goes on
+STILL_GOES_ON = 0.5
 # friction's plateau lasts half a cycle at most, from one reversal to the next
 LONGER_THAN_FRICTION = 0.6
 # a plateau that ends nearer to a reversal than this share of the cycle, at both ends of the loop, is friction's
@@ -81,6 +83,40 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
                 f"({100 * alike / per_cycle:.0f}% of a cycle)",
                 channel, "clipped", float(extreme), CHANNEL_UNITS[channel],
             )  # fmt: skip
+
+
+def stuck_beside(record: Record, cycles: Cycles) -> StuckInPart | None:
+    """Find where a channel stands still outside the steady cycles for a cycle or longer, while the other goes on.
+
+    At rest both stand still.
+
+    Args:
+        record: the samples.
+        cycles: its steady cycles.
+    """
+    names = list(CHANNEL_COLUMNS.items())
+    period = 1.0 / cycles.frequency_Hz
+    for part in (slice(cycles.steady.stop - 1, len(record.time_s)), slice(0, cycles.steady.start + 1)):
+        time = record.time_s[part]
+        for (channel, name), (_, other) in zip(names, names[::-1], strict=True):
+            samples = getattr(record, name)[part]
+            begin, steps = _longest_row(samples[1:] == samples[:-1])
+            still = slice(begin, begin + steps + 1)
+            if steps == 0 or time[still][-1] - time[still][0] < period:
+                continue
+            goes_on = _swing(time[still], getattr(record, other)[part][still], cycles.frequency_Hz)
+            usual = _swing(record.time_s[cycles.steady], getattr(record, other)[cycles.steady], cycles.frequency_Hz)
+            if goes_on > STILL_GOES_ON * usual:
+                start, end = (float(at) for at in time[still][[0, -1]])
+                return StuckInPart(channel, start, end, float(samples[begin]), CHANNEL_UNITS[channel])
+    return None
+
+
+def _swing(time: Array, samples: Array, frequency: float) -> float:
+    """Give the amplitude of a channel at a frequency, a constant and a line beside it."""
+    phase = 2 * np.pi * frequency * (time - time[0])
+    basis = np.stack([np.ones_like(phase), phase, np.cos(phase), np.sin(phase)], axis=1)
+    return float(np.hypot(*np.linalg.lstsq(basis, samples, rcond=None)[0][2:]))
 
 
 def _piles_up(samples: Array, at: BoolArray) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from pydantic import Field
@@ -84,6 +85,49 @@ def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[S
                 runs=tuple(FaultyRun(run=run, size=one.size, standard_error=None) for run, one in members),
                 done="left out",
                 words=words,
+            )
+        )
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class StuckInPart:
+    """A channel that stands still beside the steady cycles of a record, while the other one goes on.
+
+    Attributes:
+        channel: which.
+        from_s, to_s: from when to when, by the record's clock.
+        value: at which it stands, in the channel's unit.
+        unit: of it.
+    """
+
+    channel: Channel
+    from_s: float
+    to_s: float
+    value: float
+    unit: str
+
+
+def faults_of_parts(stuck: Mapping[str, StuckInPart]) -> tuple[SensorFault, ...]:
+    """Give the faults of runs, by name, in whose records a channel stands still for a part: the others are used."""
+    found = []
+    for channel in dict.fromkeys(one.channel for one in stuck.values()):
+        members = {run: one for run, one in stuck.items() if one.channel == channel}
+        where = runs_named([f"{run}: from {one.from_s:.4g} to {one.to_s:.4g} s" for run, one in members.items()])
+        found.append(
+            SensorFault(
+                channel=channel,
+                fault="stuck",
+                over="record",
+                size=max(abs(one.value) for one in members.values()),
+                unit=next(iter(members.values())).unit,
+                runs=tuple(FaultyRun(run=run, size=one.value, standard_error=None) for run, one in members.items()),
+                done="kept",
+                words=(
+                    f"the {channel} channel is stuck in a part of {counted(len(members), 'run')} ({where}): it stands "
+                    "still while the other channel goes on; that part is cut off, and only the cycles beside it are "
+                    f"used; {NEEDS['stuck']}"
+                ),
             )
         )
     return tuple(found)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, Extremes, extremes_of
+from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, Extremes, extremes_of, stuck_beside
 from pipeclamp_identification.campaign.cycles import Cycles
-from pipeclamp_identification.campaign.faults import Channel, SensorFailure
+from pipeclamp_identification.campaign.faults import Channel, SensorFailure, StuckInPart
 from pipeclamp_identification.campaign.free_motion import begins_at_rest, fundamental_of_motion
 from pipeclamp_identification.campaign.plausibility import CycleByCycle, Fundamental, cycle_by_cycle, fundamental_of
 from pipeclamp_identification.campaign.records import Record
@@ -58,11 +58,13 @@ class SeenSine(SeenRecord):
         cycles: the steady ones.
         by_cycle: mean and fundamental of each.
         ends: how far each channel goes.
+        stuck: a channel that stands still beside them; None where none does.
     """
 
     cycles: Cycles
     by_cycle: CycleByCycle
     ends: Mapping[Channel, Extremes]
+    stuck: StuckInPart | None
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ def seen_sine(record: Record, cycles: Cycles) -> SeenSine:
     }  # fmt: skip
     ends = {channel: extremes_of(record, cycles, channel, amplitudes[channel]) for channel in CHANNEL_UNITS}
     place, mean_force = (float(np.mean(one[:, 0].real)) for one in (by_cycle.displacement, by_cycle.force))
-    return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends)
+    return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends, stuck_beside(record, cycles))
 
 
 def seen_free(record: Record, motion: SmoothMotion) -> SeenFree:

@@ -11,7 +11,13 @@ import numpy as np
 from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, at_common_end
 from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired, without
 from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, shifts_over_runs
-from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
+from pipeclamp_identification.campaign.faults import (
+    Channel,
+    SensorFailure,
+    SensorFault,
+    faults_of_failures,
+    faults_of_parts,
+)
 from pipeclamp_identification.campaign.plausibility import SURE_STANDARD_ERRORS
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.runs_table import Setup
@@ -111,13 +117,14 @@ def sensors_of(runs: Sequence[Observed], free: Mapping[str, SeenFree] | None = N
     drifts = drifting(watched) if watched else ()
     failed |= _failures_of(drifts)
     kept = [run for run in watched if run.name not in failed]
+    parts = faults_of_parts({run.name: run.seen.stuck for run in runs if run.seen.stuck and run.name not in failed})
     over_runs = drifting_over_runs(kept) if kept else ()
     for fault in over_runs:
         if fault.done == "corrected":
             for run, shift in zip(kept, shifts_over_runs(kept, fault), strict=True):
                 shifts[run.name].append((fault.channel, shift))
     remarks = (*(() if zeros is None else (zero_words(zeros),)), *force_words(list(free.values())))
-    return Sensors((*broken, *drifts, *over_runs), failed, _taken_off(drifts), shifts, remarks)
+    return Sensors((*broken, *parts, *drifts, *over_runs), failed, _taken_off(drifts), shifts, remarks)
 
 
 def _failures_of(drifts: Sequence[SensorFault]) -> dict[str, SensorFailure]:

@@ -256,6 +256,32 @@ def test_a_channel_that_stands_still_or_shows_noise_alone_is_told(faults_of, kin
     assert (fault.channel, fault.fault, len(fault.runs), len(campaign.runs)) == ("force", kind, 4, 8)
 
 
+@pytest.mark.parametrize("part", ["beginning", "end"])
+def test_a_displacement_that_stands_still_in_a_part_of_a_record_is_told(faults_of, part):
+    """What stood still had been cut off without a word."""
+
+    def stuck(share, y, force):
+        still = share > 0.6 if part == "end" else share < 0.4
+        return np.where(still, y[np.argmax(still) if part == "end" else np.argmin(still)], y), force
+
+    campaign = faults_of(stuck)
+    (fault,) = campaign.faults
+    assert (fault.channel, fault.fault, fault.done, len(fault.runs)) == ("displacement", "stuck", "kept", 4)
+    assert len(campaign.runs) == FEW
+    assert fault.words in campaign.remarks
+    assert "stuck in a part of 4 runs" in fault.words and "that part is cut off" in fault.words
+    run = next(run for run in campaign.runs if run.name == fault.runs[0].run)
+    assert run.cycles.count < run.record.time_s[-1] * run.cycles.frequency_Hz * 0.65
+
+
+def test_a_machine_that_rests_before_and_after_a_test_has_no_sensor_stuck(faults_of):
+    def resting(share, y, force):
+        rests = (share < 0.3) | (share > 0.7)
+        return np.where(rests, 0.0, y), np.where(rests, 5.0, force)
+
+    assert faults_of(resting).faults == ()
+
+
 @pytest.mark.parametrize("noise", [0.0, 2.0])
 @pytest.mark.parametrize("stiffness", [0.0, 900.0])
 def test_the_plateau_of_friction_is_not_clipping(noise, stiffness):
