@@ -10,6 +10,7 @@ import pytest
 from pipeclamp_system.cosim.repetition import REPEATING_SHARE, off_a_cycle_before
 from pipeclamp_system.response.curves import FrequencyResponse
 from pipeclamp_system.response.dots import Dot
+from pipeclamp_system.response.summary import response_summary
 
 FREQUENCY = 8.0
 
@@ -34,7 +35,7 @@ def dot(frequency, found, truncated=1e-4, repeats=True):
 
 def test_only_motion_that_a_stable_branch_could_hold_is_held_against_it():
     dots = (dot(7.0, 1.003), dot(8.0, 1.2, repeats=False), dot(9.0, 1.0, truncated=None))
-    said = "\n".join(FrequencyResponse("x", ("clamp1",), (), "", (), dots, ())._about_dots())
+    said = response_summary(FrequencyResponse("x", ("clamp1",), (), "", (), dots, ({},)))
     assert "can be trusted (1) differ by at most 0.30%" in said
     assert "1 co-simulations don't repeat from cycle to cycle" in said
     assert "(level 1, 8 Hz)" in said
