@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import campaign_plan_answer
 from pipeclamp_identification.planning.telling import NAMED
-from pipeclamp_models.base.digits import plain
+from pipeclamp_models.base.digits import newtons, plain
 from pipeclamp_models.base.shell import shell_line
 
 FOR_EXAMPLE = "hardening"
@@ -52,13 +52,13 @@ def effects_table(plan: CampaignPlan) -> Table:
 def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[str]:
     """Say what a campaign names in how many hours, when to stop, and what was assumed."""
     scene = plan.power.scene
-    newtons, told = plan.power.from_newtons, plan.power.told
+    named_from, told = plan.power.from_newtons, plan.power.told
     count, among = int(told.sum()), len(scene.effects)
-    if math.isfinite(newtons):
+    if math.isfinite(named_from):
         told_of = f"all {among}" if count == among else f"{count} of {among}"
         first = (
             f"In {plan.hours:.3g} rig hours this plan can tell {told_of} effects that were assessed, and names "
-            f"{NAMED:.0%} of them where their rms force is above {plain(newtons, 3)} N, {newtons / scene.force:.2%} "
+            f"{NAMED:.0%} of them where their rms force is above {newtons(named_from)}, {named_from / scene.force:.2%} "
             f"of the clamp's own over the loops within the limits, {plain(scene.force, 4)} N."
         )
     else:
@@ -120,5 +120,5 @@ def stopping_words(plan: CampaignPlan) -> list[str]:
     now = plan.power.from_newtons
     best = min(longer, key=lambda one: one.newtons, default=None)
     if best is not None and best.newtons < now:
-        lines.append(f"The best plan that takes longer: {plain(best.newtons, 3)} N in {best.hours:.3g} h.")
+        lines.append(f"The best plan that takes longer: {newtons(best.newtons)} in {best.hours:.3g} h.")
     return lines
