@@ -1,11 +1,13 @@
-"""Whether a release works: archives are built, and the wheel runs the demo away from the checkout.
+"""Whether a release works: archives are built, and the wheel runs the demo away from the checkout, which tells a story.
 
 Run: python build_scripts/release/check.py [FOLDER for the demo's results]
 
 The source archive and, from it, the wheel are left in dist/.
 """
 
+import csv
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -28,15 +30,20 @@ IN_SOURCE = (
     "tests/conftest.py",
 )
 """What a source archive must hold besides the packages."""
+TOLD = ("as printed", "rests on one row", "tests never seen", "300 °C")
+"""What the demo's story tells."""
+OPEN, LAST_LINE = "  open ", "Next: pipeclamp identify clamp_a -o law.json"
+UNTRUSTED = "NOT TO BE TRUSTED"
+ON_EVERY_PAGE = (r"Made on \S+ by pipeclamp \S+: pipeclamp (demo|cosim)", r"<code[^>]*>pipeclamp ")
+FMUS = {"clamp_a.fmu", "pipe.fmu"}
+FEWEST_PAGES, SMALLEST_PAGE = 5, 10_000
 FOREIGN = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
 """Variables by which another environment would show through."""
 
 
 def run(*words: str | Path, cwd: Path) -> str:
     """Run a program that sees nothing of the checkout; give what it printed, or end with what it complained of."""
-    clean = {
-        name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
-    }
+    clean = {name: value for name, value in os.environ.items() if name not in FOREIGN}
     done = subprocess.run([str(word) for word in words], cwd=cwd, env=clean, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, words))}: status {done.returncode}\n{done.stdout}{done.stderr}")
@@ -89,7 +96,39 @@ def check_installed(wheel: Path, work: Path, demo: Path) -> None:
     command = python.with_name("pipeclamp.exe" if os.name == "nt" else "pipeclamp")
     print(run(command, "--version", cwd=elsewhere).strip())
     run(python, "-m", "pip", "check", cwd=elsewhere)
-    print(run(command, "demo", demo, cwd=elsewhere), end="")
+    told = run(command, "demo", demo, cwd=elsewhere)
+    print(told, end="")
+    check_demo(demo, told)
+
+
+def check_demo(demo: Path, told: str) -> None:
+    """Refuse a demo whose story, or a page of it, isn't whole; `told` is what it printed."""
+    faults = [f"the story lacks {words!r}" for words in TOLD if words not in told]
+    pages = [line.removeprefix(OPEN).strip() for line in told.splitlines() if line.startswith(OPEN)]
+    if len(pages) < FEWEST_PAGES or any(Path(page).stat().st_size < SMALLEST_PAGE for page in pages):
+        faults.append(f"expected {FEWEST_PAGES} pages or more of {SMALLEST_PAGE} bytes; got {pages}")
+    if told.splitlines()[-1] != LAST_LINE:
+        faults.append(f"expected the last line {LAST_LINE!r}; got {told.splitlines()[-1]!r}")
+    files = {path.name for path in demo.iterdir()}
+    if not files >= FMUS or any(name.startswith(".") for name in files):
+        faults.append(f"expected {sorted(FMUS)} and nothing half-written; got {sorted(files)}")
+    for page in sorted(demo.glob("*.html")):
+        text = page.read_text(encoding="utf-8")
+        links = re.findall(r'<a href="#section-[0-9]+">([^<]*)</a>', text)
+        if (
+            UNTRUSTED in text
+            or len(set(links)) < len(links)
+            or not all(re.search(one, text) for one in ON_EVERY_PAGE)
+        ):  # fmt: skip
+            faults.append(
+                f"{page.name}: it says {UNTRUSTED!r}, names a section twice, or lacks when and how it was made"
+            )
+    for name in ("system.csv", "system_hot.csv"):
+        with (demo / name).open(encoding="utf-8", newline="") as table:
+            if {float(row["trusted [1 yes, 0 no]"]) for row in csv.DictReader(table)} != {1.0}:
+                faults.append(f"{name}: not all of it is to be trusted")
+    if faults:
+        sys.exit("the demo: " + "; ".join(faults))
 
 
 def main() -> None:

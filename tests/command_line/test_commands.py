@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import shutil
 import sys
 import zipfile
@@ -283,33 +282,6 @@ def test_a_frequency_response_is_drawn_with_co_simulations_on_it(pipeclamp, tmp_
     assert (
         f"clamp1: its law is used beyond the range of its data in {outside.height / curves.height:.0%}" in done.stdout
     )
-
-
-def test_the_demo_tells_the_story(pipeclamp, tmp_path):
-    done = pipeclamp("demo", "story", cwd=tmp_path)
-    opened = [line.split()[-1] for line in done.stdout.splitlines() if line.startswith("  open ")]
-    assert len(opened) >= 5
-    assert done.stdout.splitlines()[-1] == "Next: pipeclamp identify clamp_a -o law.json"
-    for name in opened:
-        assert (tmp_path / name).stat().st_size > 1e4
-    for words in ("as printed", "rests on one row", "tests never seen", "300 °C"):
-        assert words in done.stdout
-    assert {path.name for path in (tmp_path / "story").glob("*.fmu")} == {"clamp_a.fmu", "pipe.fmu"}
-    # What it tells of pipe and clamp is to be trusted, and its pages say nothing else.
-    assert "NOT TO BE TRUSTED" not in done.stdout + done.stderr
-    for page in (tmp_path / "story").glob("*.html"):
-        text = page.read_text(encoding="utf-8")
-        assert "NOT TO BE TRUSTED" not in text, page.name
-        assert re.search(r"Made on \S+ by pipeclamp \S+: pipeclamp (demo|cosim)", text), page.name
-        assert re.search(r"<code[^>]*>pipeclamp ", text), f"{page.name} ends without a line to run next"
-    for name in ("system", "system_hot"):
-        assert set(pl.read_csv(tmp_path / "story" / f"{name}.csv")["trusted [1 yes, 0 no]"]) == {1.0}
-    # a second run replaces the first
-    assert not [path for path in (tmp_path / "story").iterdir() if path.name.startswith(".")]
-    links = re.findall(
-        r'<a href="#section-[0-9]+">([^<]*)</a>', (tmp_path / "story" / "3_clamp_a.html").read_text("utf-8")
-    )
-    assert len(links) > 10 and len(set(links)) == len(links)
 
 
 def test_an_fmu_is_native_where_a_compiler_is_found(pipeclamp, law, tmp_path):
