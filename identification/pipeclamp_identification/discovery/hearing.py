@@ -22,7 +22,6 @@ from pipeclamp_identification.discovery.guards import (
     confirmed,
     not_in_the_catalogue,
     surely_better,
-    surely_worse,
     worse_between_levels,
 )
 from pipeclamp_identification.discovery.search import ALIKE_CORRELATION, Screened, screened_columns
@@ -258,38 +257,16 @@ class Hearing:
             found.append(replace(judged, effects=one.effects))
         return found
 
-    def _confirmed(self, found: Judged, chance: float) -> Guard:
-        """Ask whether what was kept back confirms a term: against the law as it is, or without what the term replaces.
-
-        What foretells left-out groups better than the effects in whose place it stands, by more than the best of all
-        terms would by chance, is another form of what they stand for. As with a refined form, few tests needn't tell
-        the two forms apart: they must confirm that there is something, and not speak against this form of it.
-
-        Args:
-            found: the law with the term.
-            chance: what the best of all terms would explain by chance of what it leaves.
-        """
-        law, problem, unseen = self.bar.law, self.evaluation.problem, self.bar.unseen
-        laws = law.result.law, found.result.law
-        guard = confirmed(*laws, unseen, problem)
-        another_form = bool(self.gone) and beyond_chance(law.squares - found.squares, chance).passed
-        if guard.passed or not another_form or surely_worse(*laws, unseen, problem):
-            return guard
-        without = confirmed(self.evaluation.law.result.law, found.result.law, unseen, problem)
-        effects = " and ".join(self.gone)
-        return replace(without, words=f"{without.words}, the first without {effects}; with {effects} no worse")
-
     def of(self, best: RefittedTerm, rivals: Sequence[RefittedTerm]) -> TermFound:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.bar.law, self.evaluation.problem
         found, place = best.judged, self.refitted.index(best)
-        chance = self.by_chance(place)
         replaced = [replace(law, effects=self.gone)] if self.gone else []
         guards = (
-            beyond_chance(float(self.explained[place]), chance),
+            beyond_chance(float(self.explained[place]), self.by_chance(place)),
             comes_back([one.judged for one in self.refitted], self.returning(place), problem.groups),
             beyond_the_tests(law, found, problem),
-            self._confirmed(found, chance),
+            confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
             not_in_the_catalogue(
                 found, [*replaced, *self.catalogue], problem, named=self.bar.named, own=bool(replaced),
                 longer=self.bar.listed if self.gone else (),

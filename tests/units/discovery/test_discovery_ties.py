@@ -8,7 +8,7 @@ import pytest
 from pipeclamp_identification.discovery import hearing
 from pipeclamp_identification.discovery.columns import TermColumn
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.guards import Guard, comes_back, not_in_the_catalogue
+from pipeclamp_identification.discovery.guards import comes_back, not_in_the_catalogue
 from pipeclamp_identification.discovery.hearing import Hearing, Hurdle, RefittedTerm
 from pipeclamp_models.base.errors import UserError
 
@@ -52,35 +52,6 @@ def test_an_effect_beside_those_that_a_term_stands_for_wins_no_tie(effect, named
     guard = not_in_the_catalogue(found, [], SimpleNamespace(groups=GROUPS), named=named, longer=[longer])
     assert guard.passed == passes
     assert told in guard.words
-
-
-@pytest.mark.parametrize(
-    ("gone", "squares", "worse", "against", "passes"),
-    [
-        (("memory:3",), 80.0, False, "without", True),  # another form of what the effect stands for
-        (("memory:3",), 95.0, False, "law", False),  # it betters the effect by no more than chance
-        (("memory:3",), 80.0, True, "law", False),  # what was kept back speaks for the effect
-        ((), 80.0, False, "law", False),  # it stands beside all effects
-    ],
-)
-def test_few_tests_need_not_tell_a_term_from_the_effects_in_whose_place_it_stands(
-    gone, squares, worse, against, passes, monkeypatch
-):
-    """Friction that left a quarter of the squares of three elements had been refused: 0.11 % had stayed 0.11 %."""
-
-    def confirmed(before, after, unseen, problem):
-        return Guard("confirmed", before == "without", f"held against the {before}")
-
-    def having(name, squares):
-        return SimpleNamespace(result=SimpleNamespace(law=name), squares=squares)
-
-    monkeypatch.setattr(hearing, "confirmed", confirmed)
-    monkeypatch.setattr(hearing, "surely_worse", lambda plain, refined, unseen, problem: worse)
-    evaluation = SimpleNamespace(law=having("without", 900.0), problem=None)
-    asked = Hearing(evaluation, [], [], Hurdle(having("law", 100.0), [], None, ()), gone)
-    guard = asked._confirmed(having("found", squares), 10.0)
-    assert guard.passed == passes
-    assert f"held against the {against}" in guard.words
 
 
 def test_in_the_place_of_effects_the_catalogue_is_asked_there(monkeypatch):
