@@ -23,6 +23,7 @@ from pipeclamp_identification.fitting.joint.points import linearised
 from pipeclamp_identification.fitting.least_squares import fit, unfitted
 from pipeclamp_identification.fitting.observations import (
     LoopObservations,
+    as_seen_at_few,
     coarser,
     loop_observations,
     mean_squares_of,
@@ -229,10 +230,9 @@ def weighed_again(problem: Problem, structure: Structure, best: Fit, starts: Seq
 
 
 def _as_seen_at_few(few: LoopObservations, harmonics: LoopObservations, law: Fit) -> LoopObservations:
-    """Give what was measured, with what few points of the cycle show otherwise than many, as a law has it."""
+    """Give what was measured as few points of the cycle show it, as a fitted law has it."""
     at_few = unfitted(law.law.structure, few, law.law.values).law_force
-    error = few.transformed(at_few.force) - harmonics.transformed(law.law_force.force)
-    return replace(few, harmonics=harmonics.harmonics + error)
+    return as_seen_at_few(few, harmonics, (at_few, law.law_force))
 
 
 def judge(

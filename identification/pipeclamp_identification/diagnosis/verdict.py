@@ -42,7 +42,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 from pipeclamp_identification.diagnosis.weighing.causes import unless_at_one_condition
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
-from pipeclamp_identification.diagnosis.weighing.weigh import weigh
+from pipeclamp_identification.diagnosis.weighing.weigh import part_or_nothing, weigh
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
@@ -180,7 +180,8 @@ def diagnose(
         judged, screened_out = candidates(structure, problem, law, promises, workers)
         problem, law, judged = _by_the_best_ones_residuals(problem, law, judged, workers)
     differing = _unstated_beside(law, judged, problem)
-    found = weigh(Scales(structure, problem, law, judged, tolerance, workers), differing)
+    scales = Scales(structure, problem, law, judged, tolerance, workers)
+    found = weigh(scales, differing)
     found = unless_at_one_condition(found, problem.loops)
     workers.tell("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
@@ -192,7 +193,13 @@ def diagnose(
     contradiction = elsewhere(law, problem, tolerance, campaign, loops).contradiction
     if not contradiction:
         return diagnosis
-    return replace(diagnosis, found=replace(found, verdict="unknown", reasons=(contradiction, *found.reasons[1:])))
+    return replace(diagnosis, found=_contradicted(found, contradiction, scales))
+
+
+def _contradicted(found: Weighed, contradiction: str, scales: Scales) -> Weighed:
+    """Name what takes a part where a law that had passed as complete doesn't hold elsewhere; else nothing, and why."""
+    part = part_or_nothing(scales, contradiction)
+    return replace(part, reasons=(*part.reasons, *found.reasons[1:]), unstated=found.unstated)
 
 
 def _by_the_best_ones_residuals(

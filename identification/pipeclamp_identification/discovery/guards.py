@@ -214,7 +214,8 @@ def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:
     shares = [np.sqrt(float(squares.sum()) / force) for squares in (before, after)]
     gain = np.subtract(*(weighed_errors(one, unseen, problem) for one in (law, found)))
     better = share_of_gains(gain, -RIVAL_LIKELIHOOD if gain.sum() > RIVAL_LIKELIHOOD else 0.0)
-    falls = bool(after.sum() < before.sum() and gain.sum() > 0)
+    lower = bool(after.sum() < before.sum())
+    falls = lower and bool(gain.sum() > 0)
     passed = falls and better > BEYOND_DOUBT_DRAWS_SHARE
     words = (
         f"on conditions that the search never saw the error, scatter left aside, goes from {shares[0]:.2%} to "
@@ -224,6 +225,8 @@ def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:
         words += (
             f", but it falls in {better:.0%} of draws of them only, not in more than {BEYOND_DOUBT_DRAWS_SHARE:.1%}"
         )
+    elif lower and not falls:
+        words += ", but not where each run counts in units of what scatters there"
     return Guard("confirmed", passed, words)
 
 

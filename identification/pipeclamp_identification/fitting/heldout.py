@@ -9,7 +9,7 @@ import numpy as np
 from pipeclamp_identification.fitting.group_factors import PooledObservations
 from pipeclamp_identification.fitting.groups import factors_of, find_groups
 from pipeclamp_identification.fitting.least_squares import fit
-from pipeclamp_identification.fitting.observations import LoopObservations, coarser
+from pipeclamp_identification.fitting.observations import LoopObservations, as_seen_at_few, coarser
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, Level, known_levels, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -173,9 +173,12 @@ def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most:
         error over all left-out loops as a share of their force, scatter included.
     """
     groups = condition_groups(loops)
-    # Steps from point to point take their time; a fold's fit may be told at fewer points than its error.
-    fitted_to = coarser(loops, observations) if law.equations.states else observations
-    as_it_is = force_of_law(law, fitted_to.motion)
+    as_it_is, fitted_to = force_of_law(law, observations.motion), observations
+    if law.equations.states:
+        # Steps from point to point take their time; a fold's fit may be told at fewer points than its error.
+        few, at_many = coarser(loops, observations), as_it_is
+        as_it_is = force_of_law(law, few.motion)
+        fitted_to = as_seen_at_few(few, observations, (as_it_is, at_many))
     factors = factors_of(find_groups(loops, fitted_to, as_it_is), loops, observations)
     explained = 0.0 if factors is None else factors.beside(as_it_is).force()
     widened = fitted_to.with_discrepancy(as_it_is, explained)

@@ -357,6 +357,22 @@ def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
     return loop_observations(loops, max(FEWEST_SAMPLES_PER_CYCLE, observations.motion.y.shape[1] // 4))
 
 
+def as_seen_at_few(few: LoopObservations, many: LoopObservations, law: tuple[LawForce, LawForce]) -> LoopObservations:
+    """Give what was measured, with what few points of the cycle show otherwise than many, as a law has it.
+
+    A jump of force between two of few points is no physics, nor is how a state that moves with the steps lags behind;
+    either can be many times the noise.
+
+    Args:
+        few: at few points of the cycle.
+        many: the same loops at many.
+        law: the law's force at few of them and at many.
+    """
+    at_few, at_many = law
+    error = few.transformed(at_few.force) - many.transformed(at_many.force)
+    return replace(few, harmonics=many.harmonics + error)
+
+
 def data_scales(observations: Observations) -> Sizes:
     """Give the sizes of the data in which starts and bounds of parameters are stated."""
     return data_sizes(observations.motion, observations.force_amplitude)

@@ -8,6 +8,7 @@ from pipeclamp_identification.diagnosis import elsewhere, verdict
 from pipeclamp_identification.diagnosis.beyond_harmonics import BeyondHarmonics, beyond_harmonics
 from pipeclamp_identification.diagnosis.foretold import ErrorBeyondScatter
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
+from pipeclamp_identification.diagnosis.weighing import weigh as weighing
 from pipeclamp_identification.diagnosis.weighing.scales import nothing_named
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Law, Structure
@@ -67,12 +68,18 @@ def test_the_smoothing_of_dry_friction_is_no_physics(tests, v_r, told):
     assert (found.sure_share > FORM_NOISE_SHARE) == told
 
 
-@pytest.mark.parametrize(("share", "ends"), [(0.7, "complete"), (0.8, "unknown")])
-def test_a_law_that_errs_beyond_the_harmonics_is_not_complete(tests, monkeypatch, share, ends):
+@pytest.mark.parametrize(
+    ("share", "taking", "ends"), [(0.7, True, "complete"), (0.8, False, "unknown"), (0.8, True, "missing")]
+)
+def test_a_law_that_errs_beyond_the_harmonics_is_not_complete(tests, monkeypatch, share, taking, ends):
+    """The friction that it lacks takes a part, and is named; where nothing does, that it errs is all that is known."""
     beyond = BeyondHarmonics(2.0, 1.0, share, ("near the reversals",))
     monkeypatch.setattr(elsewhere, "beyond_harmonics", lambda law, campaign, loops: beyond)
     monkeypatch.setattr(elsewhere, "foretold", lambda law, problem: ErrorBeyondScatter(0.0, 0.0, 0.0))
     monkeypatch.setattr(verdict, "weigh", lambda *given: nothing_named("complete", "what is left is scatter"))
+    if not taking:
+        monkeypatch.setattr(weighing, "able_to_take_a_part", lambda scales: [])
     found = verdict.diagnose(Structure("power"), *tests(0.2 * SLOWEST))
     assert found.verdict == ends
-    assert found.reasons == ((beyond.words(),) if ends == "unknown" else ("what is left is scatter",))
+    assert found.effects == (("rounded_friction",) if ends == "missing" else ())
+    assert found.reasons[-1] == ("what is left is scatter" if ends == "complete" else beyond.words())

@@ -12,7 +12,9 @@ from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.diagnosis.problem import Problem
 from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
-from pipeclamp_identification.diagnosis.weighing.scales import Scales
+from pipeclamp_identification.diagnosis.verdict import _contradicted
+from pipeclamp_identification.diagnosis.weighing import weigh as weighing
+from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_models.base.processes import ALONE
@@ -45,8 +47,8 @@ def test_a_share_is_of_what_is_missing_beyond_scatter(missing, share):
     assert explained_share(other, law) == pytest.approx(share)
 
 
-def weighed_for_form(errors, proved=True):
-    """Weigh a law that leaves 0.6 times the noise over at tested conditions, which scatter can't hide."""
+def for_form(errors, proved=True):
+    """Put a law on the scales that leaves 0.6 times the noise over at tested conditions, which scatter can't hide."""
     none = np.zeros((RUNS, CHANNELS))
     noise = NoiseModel(np.full((RUNS, CHANNELS), SCATTER**2), Directions(none, none, none), RunScatter(), 0.0)
     scatter = SCATTER**2 * (1 + (CHANNELS - 1) / 2)
@@ -55,12 +57,12 @@ def weighed_for_form(errors, proved=True):
     lack = LackOfFit(1e-9, 0.6, 0.55, 0.65, np.array([(0.6 * NOISE) ** 2]))
     score = LeftOutScore(np.ones(RUNS), (errors * NOISE) ** 2 + scatter)
     law = SimpleNamespace(lack=lack, score=score)
-    return weigh(Scales(None, problem, law, [], Tolerance(0.1, 0.75, 0.75, proved), ALONE))
+    return Scales(None, problem, law, [], Tolerance(0.1, 0.75, 0.75, proved), ALONE)
 
 
 @pytest.mark.parametrize(("error", "verdict"), [(0.4, "complete"), (1.2, "unknown")])
 def test_what_passes_for_form_is_asked_on_left_out_conditions(error, verdict):
-    found = weighed_for_form(np.full(RUNS, error))
+    found = weigh(for_form(np.full(RUNS, error)))
     assert found.verdict == verdict
     assert f"{error * NOISE:.3g} N beyond scatter" in found.reasons[0]
 
@@ -68,8 +70,32 @@ def test_what_passes_for_form_is_asked_on_left_out_conditions(error, verdict):
 @pytest.mark.parametrize(("proved", "verdict"), [(True, "complete"), (False, "unknown")])
 def test_doubt_counts_against_a_law_with_parts(proved, verdict):
     """An error on one group of eight isn't sure; but the form of what may stand for something else isn't known."""
-    found = weighed_for_form(np.where(GROUPS == 3, 3.0, 0.0), proved)
+    found = weigh(for_form(np.where(GROUPS == 3, 3.0, 0.0), proved))
     assert found.verdict == verdict
+
+
+@pytest.mark.parametrize("contradicted", [False, True])
+def test_what_is_more_than_form_is_asked_for_a_part(contradicted, monkeypatch):
+    """Slip forces that fall with the speed took 89 % beside three elements, and `unknown` was all that was said."""
+    part = Weighed("missing", ("slip_speed",), "part", None, None, ("slip_speed takes 89%",))
+    monkeypatch.setattr(Scales, "bent", None)
+    monkeypatch.setattr(weighing, "able_to_take_a_part", lambda scales: ["slip_speed"])
+    monkeypatch.setattr(weighing, "_two_or_a_part", lambda scales, sound: (None if sound else part, None))
+    if contradicted:
+        scales = for_form(np.full(RUNS, 0.4))
+        found = _contradicted(weigh(scales), "it errs more at 3 Hz", scales)
+    else:
+        found = weigh(for_form(np.full(RUNS, 1.2)))
+    assert (found.verdict, found.effects, found.kind) == ("missing", ("slip_speed",), "part")
+    assert found.reasons[0] == part.reasons[0]
+    assert ("at 3 Hz" if contradicted else "beyond scatter") in found.reasons[1]
+
+
+def test_a_law_that_is_contradicted_and_gains_by_nothing_is_unknown():
+    scales = for_form(np.full(RUNS, 0.4))
+    found = _contradicted(weigh(scales), "it errs more at 3 Hz", scales)
+    assert (found.verdict, found.effects) == ("unknown", ())
+    assert found.reasons[0] == "it errs more at 3 Hz"
 
 
 SAYS_WORSE = "on left-out temperature"

@@ -53,6 +53,14 @@ def weigh(scales: Scales, differing: Unstated | None = None) -> Weighed:
     return replace(found, reasons=(*found.reasons, differing.words()), unstated=differing)
 
 
+def part_or_nothing(scales: Scales, more_than_form: str) -> Weighed:
+    """Name what takes a part of what is more than passes for form, as where more is missing; else nothing, and why."""
+    found = _two_or_a_part(scales, ())[0] if able_to_take_a_part(scales) else None
+    if found is None:
+        return nothing_named("unknown", more_than_form)
+    return _but_for_the_channel(replace(found, reasons=(*found.reasons, more_than_form)), scales)
+
+
 def _weighed(scales: Scales, causes: bool) -> Weighed:
     """Weigh the candidates; without causes, what is named takes a part at most."""
     if is_adequate(scales.law.lack, scales.tolerance):
@@ -142,13 +150,16 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
 
 
 def _form_at_most(scales: Scales) -> Weighed:
-    """Call a law complete whose leftover may be the form of its effects, unless it hides some or foretells worse."""
+    """Call a law complete whose leftover may be the form of its effects, unless it hides some or foretells worse.
+
+    What is more than passes for form is asked for a part, as where more is missing.
+    """
     law, tolerance = scales.law, scales.tolerance
     if law.lack.most_share > FORM_NOISE_SHARE:
-        return nothing_named("unknown", hidden_words(law.lack, scales.problem))
+        return part_or_nothing(scales, hidden_words(law.lack, scales.problem))
     elsewhere = foretold(law, scales.problem)
     if tolerance.counted(elsewhere) > FORM_NOISE_SHARE:
-        return nothing_named("unknown", foretold_words(law.lack, elsewhere))
+        return part_or_nothing(scales, foretold_words(law.lack, elsewhere))
     best = scales.usable[0] if scales.usable else None
     return _complete(form_words(law.lack, elsewhere, best=best, law=law), scales)
 
