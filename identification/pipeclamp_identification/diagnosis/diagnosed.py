@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.named import (
 )
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Prepared
-from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
@@ -118,14 +118,6 @@ class RecordDiagnosed:
         most = diagnosis.explained or 1.0
         sound = (each for each in diagnosis.found.others if each.may_be_cause)
         return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in sound}
-
-    @property
-    def fit_prefers(self) -> Mapping[str, Mapping[str, float]]:
-        """Effects with each of which the fit to all tests is clearly likelier, best first, and the law's values."""
-        law = self.diagnosis.law
-        sound = (each for each in self.diagnosis.candidates if not each.objections)
-        likelier = [each for each in sound if each.akaike + RIVAL_LIKELIHOOD < law.akaike]
-        return {each.effects[0]: each.result.law.values for each in sorted(likelier, key=lambda each: each.akaike)}
 
     @property
     def calls_for_a_term(self) -> bool:

@@ -79,11 +79,6 @@ class MetricDiagnosed:
         return {}
 
     @property
-    def fit_prefers(self) -> Mapping[str, Mapping[str, float]]:
-        """None: left-out settings are refitted for every candidate."""
-        return {}
-
-    @property
     def leaves_means_open(self) -> bool:
         """Never: metrics hold no mean force."""
         return False

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.workflow.change import (
     LawChange,
     add_effects,
@@ -31,10 +31,6 @@ from pipeclamp_models.law.range import rounded
 
 MOST_EXCHANGED = 3
 """Laws with one thing exchanged that are refitted, best first, until one's error on left-out conditions falls."""
-
-
-MOST_REFITTED = 2
-"""Effects that the fit to all tests prefers and that are refitted where nothing is named."""
 
 
 @dataclass(frozen=True)
@@ -244,8 +240,6 @@ class Climber:
         in_vain = (*went, *failed)
         found = found.naming_nothing(in_vain_words(in_vain)) if failed else found
         self.seen(found, place.file)
-        if rung is None and found.calls_for_a_term:
-            rung = self._with_what_the_fit_prefers(place, found, tried)
         if rung is None:
             return Settled(place.file, found, place.ladder, in_vain)
         step = rung.change.step
@@ -314,28 +308,6 @@ class Climber:
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"
                 return Rung(change, "revision", (words, *_energy_words(change.after)))
         return None
-
-    def _with_what_the_fit_prefers(
-        self, place: Place, found: Diagnosed, tried: Sequence[Sequence[LawChange]]
-    ) -> Rung | None:
-        """Add what the fit to all tests clearly prefers, though the estimate for left-out conditions names nothing.
-
-        Of a law far from straight that is rough. Fits without them tell, and must show a material part.
-
-        Args:
-            place: the place.
-            found: its diagnosis, which names nothing.
-            tried: what it named, and was added in vain.
-        """
-        vain = {*place.gone, *(steps[0].step.effect for steps in tried)}
-        asked = [name for name in found.fit_prefers if name not in vain][:MOST_REFITTED]
-        made = (change for name in asked for change in self._added(place.file, [name], "part", found.fit_prefers[name]))
-        able = [each for each in made if takes([each], MATERIAL_PART_SHARE) and fits_samples(each)]
-        if not able:
-            return None
-        best = min(able, key=lambda change: change.heldout.after)
-        words = f"{best.step.effect}: the estimate named it for nothing, but fits without the left-out conditions gain"
-        return Rung(best, "part", (words, NO_PROOF))
 
     def _with_something_simpler(self, file: LawFile) -> Rung | None:
         """Put a simpler effect in the place of a part that it acts like; None where none does as well.

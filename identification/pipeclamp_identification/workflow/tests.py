@@ -57,10 +57,6 @@ class Diagnosed(Naming, Protocol):
         """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
 
     @property
-    def fit_prefers(self) -> Mapping[str, Mapping[str, float]]:
-        """Effects with each of which the fit to all tests is clearly likelier, best first, and the law's values."""
-
-    @property
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search (`discover`)."""
 
