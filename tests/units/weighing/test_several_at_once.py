@@ -53,7 +53,7 @@ def judged(*effects, akaike, objections=()):
     )
 
 
-def asked(monkeypatch, fits, *, near=True, effects=("oil_damper",), others=()):
+def asked(monkeypatch, fits, *, near=True, effects=("oil_damper",), others=(), rivals=()):
     """Give what becomes of a cause beside special cases of it that fit so well together, by their names."""
     laws = {frozenset(names): judged(*others, *names, akaike=akaike) for names, akaike in fits.items()}
     whole = judged(*effects, akaike=100.0)
@@ -69,7 +69,8 @@ def asked(monkeypatch, fits, *, near=True, effects=("oil_damper",), others=()):
     monkeypatch.setattr(several, "first_of_pairs", lambda likely, sound, scales: [likely[0].effects[len(others)]])
     monkeypatch.setattr(several, "helps_alone", lambda name, sound, law: name in ("viscous", "relaxation"))
     together = whole if effects[1:] else None
-    found = Weighed("missing", effects[:1], "cause", whole, together, ("it explains it",))
+    verdict = "ambiguous" if rivals else "missing"
+    found = Weighed(verdict, (*effects[:1], *rivals), "cause", whole, together, ("it explains it",))
     return found, several.unless_several_do(found, scales)
 
 
@@ -101,3 +102,8 @@ def test_special_cases_of_one_of_two_stand_beside_the_other(monkeypatch):
     _, then = asked(monkeypatch, {TWO: 104.0}, effects=("oil_damper", "offset"), others=("offset",))
     assert (then.kind, then.effects) == ("part", ("oil_damper",))
     assert then.reasons[-1].startswith("viscous and relaxation, special cases of oil_damper, leave about as little")
+
+
+def test_what_rivals_a_general_effect_stays_named_beside_it(monkeypatch):
+    _, then = asked(monkeypatch, {TWO: 90.0}, rivals=("stribeck",))
+    assert (then.verdict, then.kind, then.effects) == ("ambiguous", "part", ("oil_damper", "stribeck"))

@@ -31,7 +31,9 @@ def unless_several_do(found: Weighed, scales: Scales) -> Weighed:
     for general in whole.effects:
         several = _several_in_place_of(general, whole, scales)
         if several is not None and rivals_of(whole, [several], scales.problem):
-            return _the_first_of(several, general, whole, scales) or _as_a_part(found, several, general, whole)
+            alone = found.verdict == "missing"  # what rivals the general effect rivals them too
+            first = _the_first_of(several, general, whole, scales) if alone else None
+            return first or _as_a_part(found, several, general, whole)
     return found
 
 
