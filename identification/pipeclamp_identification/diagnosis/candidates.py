@@ -307,6 +307,30 @@ def twins(
     return ranked(each for each in judge_each(contenders, problem, workers) if not each.objections)
 
 
+def in_place_of(
+    gone: str, come: Sequence[str], whole: Judged, structure: Structure, problem: Problem, law: Judged
+) -> Contender | None:
+    """Give a law with several effects in the place of one; None where they don't all fit into it, or one modifies it.
+
+    Args:
+        gone: the effect that goes.
+        come: those that take its place.
+        whole: the law with it, and what was added with it.
+        structure, problem, law: what they join.
+    """
+    larger = structure
+    added = (*(name for name in whole.effects if name != gone), *come)
+    for name in added:
+        if not fits_beside(larger, name):
+            return None
+        larger = with_effect(larger, name)
+    points = []
+    for values in (law.result.law.values, whole.result.law.values):
+        stated = larger.own({**whole.result.law.values, **values})
+        points += [(point, kept(point, stated)) for point in starting_points(larger, problem.coarse, stated)]
+    return Contender(added, larger, [start.values for start in promising_starts(larger, problem, points)])
+
+
 def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:
     """Give the pairs of an effect with those that scale what only it has: none of them can be screened without it.
 

@@ -104,19 +104,25 @@ def test_stretches_of_a_run_are_off_alike_and_tell_of_scatter_once():
 @pytest.mark.parametrize(
     ("share", "words"),
     [
-        (0.02, "what follows the conditions is 2.0% of the force noise; the rest is noise, and 0.20% of stiffness"),
+        (
+            0.02,
+            "what follows the conditions is 1.3 N, 2.0% of the force noise; the rest is noise, and 0.20% of stiffness",
+        ),
         (
             0.99,
-            "what seems to follow the conditions is 0.99 times the force noise; noise and scatter of 0.20% of "
+            "what seems to follow the conditions is 1.3 N, 0.99 times the force noise; noise and scatter of 0.20% of "
             "stiffness from run to run make as much by chance",
         ),
     ],
 )
 def test_what_scatter_may_hide_is_no_share_that_follows_the_conditions(share, words):
-    """A complete law's reason had said that 99.9 % of the force noise follow the conditions, "the rest is noise"."""
+    """A complete law's reason had said that 99.9 % of the force noise follow the conditions, "the rest is noise".
+
+    And nowhere how large that is in newtons.
+    """
     noise = SimpleNamespace(scatter=RunScatter(stiffness=0.002), mean_shows=False, zero_shows=False)
     problem = SimpleNamespace(noise=noise)
-    assert scatter_words(SimpleNamespace(share=share, p_value=0.5), problem).startswith(words)
+    assert scatter_words(SimpleNamespace(share=share, rms=1.3, p_value=0.5), problem).startswith(words)
 
 
 def test_what_scatter_makes_is_no_lack_of_form_and_the_rest_is():

@@ -149,7 +149,7 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     foretells = share_of_error(pair, scales.law) >= HALF_TAKEN_SHARE
     kind: NamedKind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
     likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
-    able = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
+    able = [name for name in first_of_pairs(likely, sound, scales) if helps_alone(name, sound, scales.law)]
     if not able:
         return named_together(pair, sound, kind, together, scales)
     # beside another an effect may have grown; what is said is of the one by itself
@@ -211,7 +211,7 @@ def named_together(pair: Judged, sound: Sequence[Judged], kind: NamedKind, does:
     return Weighed("missing", (first,), kind, named, named, (f"{does}; {why}",))
 
 
-def _first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
+def first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
     """Give the effect that all pairs share which can't be told from the best one: what is open is the other alone.
 
     Where they share none that helps by itself, give the better effect of the best pair, and of each pair without it.
@@ -225,7 +225,7 @@ def _first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: S
         return halves.index(identifier) if identifier in halves else len(halves), _alone(name, sound)
 
     shared = set.intersection(*({effect_id(name) for name in pair.effects} for pair in likely))
-    in_all = [name for name in likely[0].effects if effect_id(name) in shared and _helps_alone(name, sound, scales.law)]
+    in_all = [name for name in likely[0].effects if effect_id(name) in shared and helps_alone(name, sound, scales.law)]
     if in_all:
         return [min(in_all, key=place)]
     firsts: list[str] = []
@@ -241,7 +241,7 @@ def _alone(name: str, sound: Sequence[Judged]) -> float:
     return min(same, default=np.inf)
 
 
-def _helps_alone(name: str, sound: Sequence[Judged], law: Judged) -> bool:
+def helps_alone(name: str, sound: Sequence[Judged], law: Judged) -> bool:
     """Tell whether an effect explains something of the lack of fit without a second one."""
     excess = (one.lack.excess for one in sound if effect_id(one.effects[0]) == effect_id(name))
     return min(excess, default=np.inf) < (1 - ALONE_SHARE) * law.lack.excess

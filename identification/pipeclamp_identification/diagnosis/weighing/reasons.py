@@ -32,9 +32,11 @@ def scatter_words(lack: LackOfFit, problem: Problem) -> str:
     scatter = _scatter_words(problem)
     if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
         between = f", and {scatter} from run to run" if scatter else ""
-        return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
+        share = f"{lack.share:.1%} of the force noise"
+        return f"what follows the conditions is {newtons(lack.rms)}, {share}; the rest is noise{between}"
     makes = f"noise and scatter of {scatter} from run to run make" if scatter else "noise makes"
-    return f"what seems to follow the conditions is {lack.share:.2f} times the force noise; {makes} as much by chance"
+    share = f"{lack.share:.2f} times the force noise"
+    return f"what seems to follow the conditions is {newtons(lack.rms)}, {share}; {makes} as much by chance"
 
 
 def _scatter_words(problem: Problem) -> str:

@@ -39,6 +39,7 @@ from pipeclamp_identification.diagnosis.weighing.reasons import (
 )
 from pipeclamp_identification.diagnosis.weighing.rivals import rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed, nothing_named
+from pipeclamp_identification.diagnosis.weighing.several import unless_several_do
 from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate, is_complete
 from pipeclamp_models.law.catalogue import effect_id
 
@@ -70,7 +71,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     if found is None and scales.usable and not scales.form_allowed:
         found, pair = _two_or_a_part(scales, scales.sound if causes else ())
     if found is not None:
-        return _but_for_the_channel(if_it_is_itself(found), scales)
+        return _but_for_the_channel(if_it_is_itself(unless_several_do(found, scales)), scales)
     if scales.form_allowed:
         return _form_at_most(scales)
     return _nothing_named(scales, pair)
