@@ -18,7 +18,8 @@ from pipeclamp.pages.system.pipe_records import records_sections
 from pipeclamp.show.on_pipe import attributed_view
 from pipeclamp_identification.attribution.answer import SystemComparisonAnswer
 from pipeclamp_identification.attribution.attributed import attributed
-from pipeclamp_identification.attribution.compared import compare_measured
+from pipeclamp_identification.attribution.compared import Compared, compare_measured
+from pipeclamp_identification.attribution.verdict import attribute
 from pipeclamp_identification.on_pipe.answer import records_answer
 from pipeclamp_identification.on_pipe.records import RecordsComparison, compare_records
 from pipeclamp_identification.on_pipe.sines import compare_pipe
@@ -132,6 +133,17 @@ def test_a_law_that_follows_its_motion_is_taken_for_the_records_own(bench):
     (amplitude, frequency), = compared(bench).pairs[0].conditions  # fmt: skip
     assert 0.01 < amplitude < 5.0
     assert 4.0 < frequency < 14.0
+
+
+def test_what_is_wrong_is_asked_of_a_record(bench):
+    """The model itself is found complete; with half of the stated damping, damping is named and its size is right."""
+    assert attribute(Compared(records=compared(bench))).verdict == "complete"
+    (bench / "pipe.toml").write_text(pipe_text(ratio=0.06), encoding="utf-8")
+    found = attribute(Compared(records=compared(bench)))
+    assert found.verdict in ("wrong", "ambiguous")
+    assert "damping" in {suspect.id for suspect in found.suspects}
+    damping = next(entry for entry in found.candidates if entry.id == "damping")
+    assert damping.refit.values[0] == pytest.approx(np.log(0.5), abs=0.05)
 
 
 def test_sines_and_a_record_are_asked_together(bench):
