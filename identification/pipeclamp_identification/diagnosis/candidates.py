@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -327,8 +327,15 @@ def in_place_of(
     points = []
     for values in (law.result.law.values, whole.result.law.values):
         stated = larger.own({**whole.result.law.values, **values})
-        points += [(point, kept(point, stated)) for point in starting_points(larger, problem.coarse, stated)]
+        points += _points_from(stated, larger, problem)
     return Contender(added, larger, [start.values for start in promising_starts(larger, problem, points)])
+
+
+def _points_from(
+    stated: Mapping[str, float], structure: Structure, problem: Problem
+) -> list[tuple[Mapping[str, float], Collection[str]]]:
+    """Give the points that a law is tried from beside stated values, and the names of those of them that stay."""
+    return [(point, kept(point, stated)) for point in starting_points(structure, problem.coarse, stated)]
 
 
 def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:
@@ -346,8 +353,7 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
         both, stated = with_effect(larger, name), first.result.law.values
         if undetermined(both.equations, problem.coarse).keys() >= {one.name for one in both.effect(name).parameters}:
             continue
-        points = ((point, kept(point, stated)) for point in starting_points(both, problem.coarse, stated))
-        promising = promising_starts(both, problem, points)
+        promising = promising_starts(both, problem, _points_from(stated, both, problem))
         starts = [start.values for start in promising]
         going_on = next(start for start in starts if kept(start, stated) == set(stated))
         in_order = [going_on, *(start for start in starts if start is not going_on)]
