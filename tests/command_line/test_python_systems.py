@@ -12,6 +12,7 @@ import typer
 from banded import banded
 from few_effects import few_effects
 from project import EXAMPLES, ROOT
+from rounding import to_rounding
 
 import pipeclamp as pc
 from pipeclamp.cli.app import app, main
@@ -169,7 +170,7 @@ def test_a_run_with_other_values_is_that_of_files_which_state_them(system, tmp_p
         assert old in text
         path.write_text(text.replace(old, new), encoding="utf-8")
     written = pc.cosim(system)
-    assert varied.to_dict() == written.to_dict()
+    assert varied.to_dict() == to_rounding(written.to_dict())
     assert varied.amplitude("tip") != before.amplitude("tip")
 
 
@@ -217,7 +218,8 @@ def test_a_pipe_is_held_against_what_was_measured_as_by_the_command(pipeclamp, t
     (measured / "sines.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8")
     done = pipeclamp("compare", tmp_path / "system.toml", measured, "--json", tmp_path / "answer.json")
     found = pc.compare_pipe(tmp_path / "system.toml", measured)
-    assert found.to_dict() == json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
+    theirs = json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
+    assert found.to_dict() == to_rounding(theirs)
     assert all(line in done.stdout for line in str(found).splitlines())
     assert repr(found).endswith(f"error {found.nrmse:.2%}>")
     assert found.verdict is None, "five values are too few to ask"
@@ -256,9 +258,9 @@ def test_a_ladder_is_the_commands(small, tests, tmp_path, monkeypatch):
             main()
         answer = pc.diagnose(path, tests, auto=True)
     theirs = json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
-    assert answer.ladder == theirs["ladder"] != []
+    assert answer.ladder == to_rounding(theirs["ladder"]) != []
     assert (answer.verdict, list(answer.effects)) == (theirs["verdict"], theirs["effects"])
-    assert answer.law.values == pc.open_law(tmp_path / "law2.json").values
+    assert answer.law.values == to_rounding(pc.open_law(tmp_path / "law2.json").values)
     assert answer.law.file.diagnosis.verdict == answer.verdict
     assert f"{answer.ladder[0]['heldout_after']:.2%}" in str(answer).splitlines()[0]
 
