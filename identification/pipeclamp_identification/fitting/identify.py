@@ -129,7 +129,8 @@ def fit_structure(
     """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
 
     Effects that change from cycle to cycle are fitted to stretches of each record. Laws with states are led near at
-    fewer points of the cycle.
+    fewer points of the cycle. From values that are known the fit begins twice, weighted by scatter and by what the law
+    leaves over there, and goes on from where the tests are likelier.
 
     Raises:
         UserError: the data can't serve the structure.
@@ -157,6 +158,11 @@ def fit_structure(
             return beside
     rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
+    if start:
+        # Weights of scatter alone may lead a law that is known out of its valley into a poorer one.
+        as_known = rough.with_discrepancy(unfitted(structure, rough, begin).law_force)
+        from_there = fit(structure, as_known, start=begin, tolerance=ROUGHLY, progress=progress)
+        first = min(first, from_there, key=lambda found: rough.deviance(found.law_force))
     if has_groups(loops):
         found_near = unfitted(structure, observations, first.law.values) if equations.states else first
         beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, progress, tolerance)

@@ -231,6 +231,13 @@ class LoopObservations:
         excess = max(float(np.sum(error**2 - noise)) / np.count_nonzero(used), 0.0)
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
 
+    def deviance(self, law_force: LawForce) -> float:
+        """Give minus twice the log-likelihood of the harmonics but for a constant, the law's own discrepancy counted as
+        noise: laws that were fitted with unlike weights compare by it."""
+        widened = self.with_discrepancy(law_force)
+        residual = widened.residual(law_force)[self.seen]
+        return float(residual @ residual + 2 * np.sum(np.log(widened.standard_error[self.seen])))
+
 
 @dataclass(frozen=True)
 class WeightedLoops:

@@ -97,6 +97,11 @@ class MadeOf(NamedTuple):
     base: str
     effects: frozenset[str]
 
+    @classmethod
+    def of(cls, law: LawFile | Structure) -> MadeOf:
+        """Give what a law is made of."""
+        return cls(law.base, frozenset(law.effects))
+
 
 @dataclass(frozen=True)
 class Place:
@@ -115,7 +120,7 @@ class Place:
     @property
     def made_of(self) -> MadeOf:
         """What the law is made of."""
-        return MadeOf(self.file.base, frozenset(self.file.effects))
+        return MadeOf.of(self.file)
 
     def after(self, *rungs: Rung) -> Place:
         """Give the place to which further rungs lead."""
@@ -190,7 +195,7 @@ class Climber:
         met: frozenset[MadeOf] = frozenset()
         while place.made_of not in before:
             met |= {place.made_of}
-            led = self._led_from(place)
+            led = self._led_from(place, before)
             if isinstance(led, Settled):
                 return WayUp(led, forks, met)
             place, forks = led.place, (*forks, *led.forks)
@@ -212,11 +217,12 @@ class Climber:
         place = fork.place.after(Rung(change, "part", (words, NO_PROOF)))
         return self.climb(self._without_spares(place, fork.effect, fork.effect), before)
 
-    def _led_from(self, place: Place) -> Settled | _Onward:
+    def _led_from(self, place: Place, before: frozenset[MadeOf]) -> Settled | _Onward:
         """Diagnose the law at a place, and add to it, exchange something in it, or end there.
 
         Where what is named takes less than half of what is missing, a part may stand where its like belongs: what does
-        better in a part's place is asked, and goes first if it leaves less.
+        better in a part's place is asked, and goes first if it leaves less. Nothing is exchanged for a law that another
+        way came by, which has shown where that leads.
         """
         if place.ladder:
             self.climbed(place.file, place.ladder)
@@ -230,7 +236,7 @@ class Climber:
         helped = bool(tried) and helps(tried[-1])
         parts = parts_of(place.file)
         goes_well = helped and (takes(tried[-1], HALF_TAKEN_SHARE) or not parts)
-        rung = None if goes_well else self._with_something_exchanged(place.file, parts if helped else None)
+        rung = None if goes_well else self._with_something_exchanged(place.file, parts if helped else None, before)
         if helped and (rung is None or tried[-1][-1].heldout.after <= rung.change.heldout.after):
             self.seen(found, place.file)
             added = tried[-1][-1].step.effect
@@ -295,14 +301,18 @@ class Climber:
             place = place.after(rung).without(_in_vain([change]))
         return place
 
-    def _with_something_exchanged(self, file: LawFile, names: Collection[str] | None) -> Rung | None:
+    def _with_something_exchanged(
+        self, file: LawFile, names: Collection[str] | None, before: frozenset[MadeOf]
+    ) -> Rung | None:
         """Put another effect of a family in one's place, or a law on another base; None where none does better.
 
         Args:
             file: the law.
             names: its effects that are asked; None for all, and its base.
+            before: laws that other ways came by.
         """
-        for structure in self.tests.better_structures(file, names, self.workers)[:MOST_EXCHANGED]:
+        better = self.tests.better_structures(file, names, self.workers)
+        for structure in [one for one in better if MadeOf.of(one) not in before][:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
             if helps([change]) and fits_samples(change):
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"
