@@ -47,6 +47,8 @@ BASE = {
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
 PLAN = Plan(rate=500.0, seed=3)
+TWO_TEMPERATURES = replace(PLAN, temperatures=(20.0, 200.0))
+"""Enough for what doesn't follow the temperature."""
 LOPSIDED = ("asymmetry", "offset", "gas_spring", "unilateral_contact", "directional_damping", "gap", "memory")
 """What acts like a force that is stiffer on one side, and something else."""
 SLIPPING = (
@@ -74,7 +76,7 @@ def campaign(tmp_path_factory):
 @pytest.fixture(scope="module")
 def lopsided(campaign):
     """Tests of a clamp that is stiffer on one side, and the base law of them."""
-    tests = campaign(("asymmetry",), k2=20.0)
+    tests = campaign(("asymmetry",), TWO_TEMPERATURES, k2=20.0)
     return tests, law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
 
 
@@ -208,7 +210,7 @@ def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign
 def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):
     """Over frequency it rises and falls as nothing in the catalogue: two fit it against each other, neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)
-    tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
+    tests = campaign(("bump",), TWO_TEMPERATURES, declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
     file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     with few_effects(*OVER_FREQUENCY):
         found = diagnosed(file, tests)
@@ -354,7 +356,7 @@ def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign,
 
 def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     """A ladder that took the one for the other gets to the one that is there, and stays."""
-    tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
+    tests = campaign(("end_stop",), replace(TWO_TEMPERATURES, frequencies=(1.0, 4.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
     taken = identify(tests, Structure(effects=("hardening",))).fit.law
     better, *_ = better_structures(ask_again(taken, loops), None, ALONE)
@@ -368,7 +370,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     """An effect may have made up for the base that the law had: here damping that falls beyond a speed."""
     values = {"a_0": 0.0, "a_1": 900.0, "b_0": 0.0, "b_1": 8.0, "b_2": -0.3, "s_A": 0.0, "s_T": 0.0}
     truth = Law(Structure("series:1:2"), {**values, "r_A": 0.0, "r_f": 0.0}, 0.0126, 0.002)
-    write_campaign(tmp_path / "campaign", virtual_runs(truth, PLAN), name="virtual", notes="")
+    write_campaign(tmp_path / "campaign", virtual_runs(truth, TWO_TEMPERATURES), name="virtual", notes="")
     tests = read_campaign(tmp_path / "campaign")
     taken = identify(tests, Structure(effects=("oil_damper",))).fit.law
     structures = better_structures(ask_again(taken, loops_of(tests)), None, ALONE)
