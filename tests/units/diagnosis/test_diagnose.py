@@ -102,7 +102,7 @@ def test_a_condition_that_no_test_varies_is_told(campaign):
 
 def test_what_passes_for_form_is_never_told_as_nothing(campaign):
     """A complete law that leaves something which follows the conditions says so in all places."""
-    tests = campaign(("viscous",), c1=2.0)
+    tests = campaign(("viscous",), TWO_TEMPERATURES, c1=2.0)
     file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     with few_effects("viscous", "quadratic_damping", "damping_temperature", "relaxation", "memory"):
         found = diagnosed(file, tests)
@@ -143,16 +143,16 @@ def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
 
 
 @pytest.mark.parametrize(
-    ("effect", "values"),
+    ("effect", "plan", "values"),
     [
-        ("contact_growth", {"beta": 2e-4, "T_c": 450.0}),
-        ("offset", {"F_o": 5.0}),
-        ("relaxation", {"k_m": 100.0, "tau": 0.05}),
-        ("end_stop", {"k_e": 150.0, "y_e": 0.75}),
+        ("contact_growth", PLAN, {"beta": 2e-4, "T_c": 450.0}),
+        ("offset", TWO_TEMPERATURES, {"F_o": 5.0}),
+        ("relaxation", TWO_TEMPERATURES, {"k_m": 100.0, "tau": 0.05}),
+        ("end_stop", TWO_TEMPERATURES, {"k_e": 150.0, "y_e": 0.75}),
     ],
 )
-def test_a_missing_effect_is_named(campaign, effect, values):
-    _is_named(diagnose(Structure("power"), campaign((effect,), **values)), effect)
+def test_a_missing_effect_is_named(campaign, effect, plan, values):
+    _is_named(diagnose(Structure("power"), campaign((effect,), plan, **values)), effect)
 
 
 def test_friction_that_fades_within_records_is_named(campaign):
@@ -164,7 +164,7 @@ def test_friction_that_fades_within_records_is_named(campaign):
 
 
 def test_several_elements_that_slip_are_named_as_many(campaign):
-    tests = campaign(("memory:2",), k_s1=650.0, z_s1=68.0, k_s2=650.0, z_s2=218.0)
+    tests = campaign(("memory:2",), TWO_TEMPERATURES, k_s1=650.0, z_s1=68.0, k_s2=650.0, z_s2=218.0)
     with few_effects(*SLIPPING):
         _is_named(diagnose(Structure("power"), tests), "memory:2")
 
@@ -385,7 +385,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     ],
 )
 def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, hidden, values, expected):
-    tests, taken = campaign((hidden,), **values), "gas_spring"
+    tests, taken = campaign((hidden,), TWO_TEMPERATURES, **values), "gas_spring"
     asked = ask_again(identify(tests, Structure(effects=(taken,))).fit.law, loops_of(tests))
     assert simpler_structure(asked, (), ALONE) is None
     assert simpler_structure(asked, (taken,), ALONE) == (expected and Structure("power", (expected,)))
