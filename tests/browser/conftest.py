@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+from studio_in_browser import studio_of
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = (
@@ -53,3 +55,16 @@ def violations() -> Callable[[Any], list[str]]:
         ]
 
     return found
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Give the folder that the studio of a file of tests keeps its laws in."""
+    return tmp_path_factory.mktemp("studio") / "home"
+
+
+@pytest.fixture(scope="module")
+def url(home: Path) -> Iterator[str]:
+    """Give the address of a studio of clamp_a."""
+    with studio_of("clamp_a", home) as address:
+        yield address

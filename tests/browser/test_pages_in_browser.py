@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from exports import loop
+from few_effects import few_effects
 
 import pipeclamp as pc
 from pipeclamp.pages.page import write_report
@@ -17,6 +18,11 @@ from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.law.file import Provenance
 
 PICTURE = ".chosen .main-svg"
+SOME = (
+    "damping_temperature", "memory", "relaxation", "relaxation_temperature", "displacement_friction",
+    "exponential_stiffening", "unilateral_contact", "asymmetry", "bouc_wen", "delay",
+)  # fmt: skip
+"""Effects of all kinds, with the longest names."""
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +31,8 @@ def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     tests = RecordTests(read_campaign(bundled_campaign("clamp_a")))
     law = tests.identify().file(name="law", provenance=Provenance("test"))
-    found = tests.diagnose(law)
+    with few_effects(*SOME):
+        found = tests.diagnose(law)
     write_report(folder / "diagnosis.html", "Diagnosis", "clamp_a", diagnosis_page(law, found, "pipeclamp add"), "test")
     better = add_effect(law, found.effects[0], tests, provenance=Provenance("test")).after
     write_report(folder / "compare.html", "Law", "clamp_a", comparison_page([(better, tests.compare(better))]), "test")

@@ -98,7 +98,7 @@ def test_what_is_wrong_is_named_from_a_record_alone(pipeclamp, tmp_path, write_l
     folder.mkdir()
     probes = "".join(f'[[probes]]\nname = "{name}"\nunit = "mm"\n' for name in ("tip", "middle"))
     (folder / "measurement.toml").write_text(f'{probes}[[records]]\nfile = "sweep.csv"\n', encoding="utf-8")
-    time = np.arange(1601) / 200
+    time = np.arange(1201) / 200
     equations = clamp_equations(law_of(read_law(tmp_path / "law.json")), 0.5, 8.0, 293.15)
     true = reduce(parse_pipe(described(ratio=0.04)))
     moved = solve_monolithic(true, [equations], lambda t: float(swept(t)), time, 1e-5).probes
@@ -121,4 +121,4 @@ def described(ratio):
 
 
 def swept(t):
-    return 2.0 * np.sin(2 * np.pi * (5.0 * t + 0.45 * t**2))
+    return 2.0 * np.sin(2 * np.pi * (5.0 * t + 0.6 * t**2))

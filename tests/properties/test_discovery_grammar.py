@@ -43,7 +43,8 @@ def motion(random, samples):
 def function(expression):
     free = sorted(expression.free_symbols, key=str)
     compiled = sp.lambdify(free, expression, modules="numpy", printer=ArrayPrinter)
-    return lambda **known: compiled(*(known[str(symbol)] for symbol in free))
+    names = [symbol.name for symbol in free]
+    return lambda **known: compiled(*(known[name] for name in names))
 
 
 def test_there_are_hundreds_of_terms_with_few_parameters():
@@ -77,13 +78,13 @@ def test_no_term_creates_energy(family):
         known[STRENGTH] = 100.0
         for state in effect.states:
             update = function(state.update)
-            walk = np.zeros(samples + 1)
+            walk, name = np.zeros(samples + 1), state.symbol.name
             for _ in range(2):
                 walk[0] = walk[-1]
                 for place in range(1, samples + 1):
                     here = {"y": known["y"][place], "y_previous": known["y"][place - 1], "v": known["v"][place]}
-                    walk[place] = update(**{**known, **here, str(state.symbol): walk[place - 1]})
-            known[str(state.symbol)] = walk
+                    walk[place] = update(**known | here | {name: walk[place - 1]})
+            known[name] = walk
         force = np.broadcast_to(function(effect.force)(**known), (samples + 1,))
         way = np.diff(known["y"])
         work = float(np.sum((force[1:] + force[:-1]) / 2 * way))

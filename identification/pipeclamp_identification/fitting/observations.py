@@ -95,23 +95,24 @@ def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Ar
 
 
 def _transforms(loops: Loops, samples: int) -> Array | None:
-    """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
+    """Give each run its transform, shape (R, m, n); None where all have many samples a cycle that nothing smoothed."""
     few = [count < FEW_SAMPLES for count in _samples_per_cycle(loops)]
     if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1
     plain = real_harmonics_of(np.eye(samples), count)
-    own = np.tile(plain, (len(loops.run), 1, 1))
+    own = np.tile(plain.T, (len(loops.run), 1, 1))
 
     def fill(row: int) -> None:
         carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row, 1:])))
-        own[row, :, : 2 * carried + 1] = sampled_transform(loops.phases[row], loops.at_reversals[row], samples, carried)
+        sampled = sampled_transform(loops.phases[row], loops.at_reversals[row], samples, carried)
+        own[row, : 2 * carried + 1] = sampled.T
 
     rows: list[int] = np.flatnonzero(few).tolist()
     with one_thread():
         in_threads(fill, rows, sum(len(loops.phases[row]) for row in rows) / max(len(rows), 1))
     # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
-    return averaged(own, loops.force_average, axis=1)
+    return averaged(own, loops.force_average)
 
 
 def mean_squares_of(harmonics: Array) -> Array:
@@ -128,8 +129,8 @@ class LoopObservations:
         harmonics: measured force in N as `real_harmonics_of` gives it, shape (R, 2 H + 1).
         standard_error: of each of them, same shape; infinite where there is none.
         force_amplitude: N, shape (R,).
-        transforms: how each record's sampling turns force into harmonics, shape (R, n, 2 H + 1); None where it is
-            fine enough for that not to matter.
+        transforms: how each record's sampling turns force into harmonics, shape (R, 2 H + 1, n): points of the cycle
+            last, as in forces, which a fit is quickest with; None where it is fine enough for that not to matter.
         deny_constant_force: whether forces at rest before the tests do.
     """
 
@@ -156,7 +157,7 @@ class LoopObservations:
             return real_harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
         by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
         with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, which a fit refuses
-            found = by_run @ self.transforms
+            found = by_run @ np.swapaxes(self.transforms, 1, 2)
         return np.asarray(np.moveaxis(found, 0, 1).reshape(*force.shape[:-1], -1))
 
     @property

@@ -124,7 +124,8 @@ def as_expression(value: Value) -> sp.Expr:
 def has_value(expression: sp.Expr, symbol: sp.Symbol, value: float) -> bool:
     """Whether an expression has a real value where a symbol takes one, whatever the others are."""
     try:
-        return not expression.subs(symbol, as_expression(value)).has(sp.zoo, sp.oo, -sp.oo, sp.nan, sp.I)
+        there = expression.subs(symbol, as_expression(value)) if symbol in expression.free_symbols else expression
+        return not there.has(sp.zoo, sp.oo, -sp.oo, sp.nan, sp.I)
     except NO_VALUE:
         return False
 

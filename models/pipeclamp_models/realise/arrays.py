@@ -55,7 +55,7 @@ class ArrayRealisation:
         """The coefficients."""
         return self._compiled("coefficients")
 
-    @property
+    @cached_property
     def coefficient_slope_index(self) -> tuple[Pair, ...]:
         """(coefficient, parameter) of each of `coefficient_slopes`."""
         return self._index("coefficient_slopes")
@@ -70,7 +70,7 @@ class ArrayRealisation:
         """The force in N, of states after their update."""
         return self._compiled("force")
 
-    @property
+    @cached_property
     def force_slope_index(self) -> tuple[int, ...]:
         """Of each derivative in `force_with_slopes` what it is by: its place among states, coefficients, parameters."""
         return tuple(column for _, column in self._index("force_with_slopes"))
@@ -85,7 +85,7 @@ class ArrayRealisation:
         """The states after a step."""
         return self._compiled("update")
 
-    @property
+    @cached_property
     def update_slope_index(self) -> tuple[Pair, ...]:
         """(state, state before) of each of all `update_slopes`."""
         return tuple((row, column) for one in self.written("update_slopes")["parts"] for row, column in one["index"])
@@ -133,7 +133,7 @@ class ArrayRealisation:
         """The time in s by which the measured force is late."""
         return self._compiled("lag")
 
-    @property
+    @cached_property
     def lag_slope_index(self) -> tuple[int, ...]:
         """Parameter of each of `lag_slopes`."""
         return tuple(column for _, column in self._index("lag_slopes"))

@@ -47,6 +47,8 @@ BASE = {
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
 PLAN = Plan(rate=500.0, seed=3)
+TWO_TEMPERATURES = replace(PLAN, temperatures=(20.0, 200.0))
+"""Enough for what doesn't follow the temperature."""
 LOPSIDED = ("asymmetry", "offset", "gas_spring", "unilateral_contact", "directional_damping", "gap", "memory")
 """What acts like a force that is stiffer on one side, and something else."""
 SLIPPING = (
@@ -74,7 +76,7 @@ def campaign(tmp_path_factory):
 @pytest.fixture(scope="module")
 def lopsided(campaign):
     """Tests of a clamp that is stiffer on one side, and the base law of them."""
-    tests = campaign(("asymmetry",), k2=20.0)
+    tests = campaign(("asymmetry",), TWO_TEMPERATURES, k2=20.0)
     return tests, law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
 
 
@@ -100,7 +102,7 @@ def test_a_condition_that_no_test_varies_is_told(campaign):
 
 def test_what_passes_for_form_is_never_told_as_nothing(campaign):
     """A complete law that leaves something which follows the conditions says so in all places."""
-    tests = campaign(("viscous",), c1=2.0)
+    tests = campaign(("viscous",), TWO_TEMPERATURES, c1=2.0)
     file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     with few_effects("viscous", "quadratic_damping", "damping_temperature", "relaxation", "memory"):
         found = diagnosed(file, tests)
@@ -141,16 +143,16 @@ def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
 
 
 @pytest.mark.parametrize(
-    ("effect", "values"),
+    ("effect", "plan", "values"),
     [
-        ("contact_growth", {"beta": 2e-4, "T_c": 450.0}),
-        ("offset", {"F_o": 5.0}),
-        ("relaxation", {"k_m": 100.0, "tau": 0.05}),
-        ("end_stop", {"k_e": 150.0, "y_e": 0.75}),
+        ("contact_growth", PLAN, {"beta": 2e-4, "T_c": 450.0}),
+        ("offset", TWO_TEMPERATURES, {"F_o": 5.0}),
+        ("relaxation", TWO_TEMPERATURES, {"k_m": 100.0, "tau": 0.05}),
+        ("end_stop", TWO_TEMPERATURES, {"k_e": 150.0, "y_e": 0.75}),
     ],
 )
-def test_a_missing_effect_is_named(campaign, effect, values):
-    _is_named(diagnose(Structure("power"), campaign((effect,), **values)), effect)
+def test_a_missing_effect_is_named(campaign, effect, plan, values):
+    _is_named(diagnose(Structure("power"), campaign((effect,), plan, **values)), effect)
 
 
 def test_friction_that_fades_within_records_is_named(campaign):
@@ -162,7 +164,7 @@ def test_friction_that_fades_within_records_is_named(campaign):
 
 
 def test_several_elements_that_slip_are_named_as_many(campaign):
-    tests = campaign(("memory:2",), k_s1=650.0, z_s1=68.0, k_s2=650.0, z_s2=218.0)
+    tests = campaign(("memory:2",), TWO_TEMPERATURES, k_s1=650.0, z_s1=68.0, k_s2=650.0, z_s2=218.0)
     with few_effects(*SLIPPING):
         _is_named(diagnose(Structure("power"), tests), "memory:2")
 
@@ -208,7 +210,7 @@ def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign
 def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):
     """Over frequency it rises and falls as nothing in the catalogue: two fit it against each other, neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)
-    tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
+    tests = campaign(("bump",), TWO_TEMPERATURES, declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
     file = law_file(identify(tests), tests, name="law", provenance=Provenance("test"))
     with few_effects(*OVER_FREQUENCY):
         found = diagnosed(file, tests)
@@ -354,7 +356,7 @@ def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign,
 
 def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     """A ladder that took the one for the other gets to the one that is there, and stays."""
-    tests = campaign(("end_stop",), replace(PLAN, temperatures=(20.0, 200.0)), k_e=4000.0, y_e=0.6)
+    tests = campaign(("end_stop",), replace(TWO_TEMPERATURES, frequencies=(1.0, 4.0)), k_e=4000.0, y_e=0.6)
     loops = loops_of(tests)
     taken = identify(tests, Structure(effects=("hardening",))).fit.law
     better, *_ = better_structures(ask_again(taken, loops), None, ALONE)
@@ -368,7 +370,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     """An effect may have made up for the base that the law had: here damping that falls beyond a speed."""
     values = {"a_0": 0.0, "a_1": 900.0, "b_0": 0.0, "b_1": 8.0, "b_2": -0.3, "s_A": 0.0, "s_T": 0.0}
     truth = Law(Structure("series:1:2"), {**values, "r_A": 0.0, "r_f": 0.0}, 0.0126, 0.002)
-    write_campaign(tmp_path / "campaign", virtual_runs(truth, PLAN), name="virtual", notes="")
+    write_campaign(tmp_path / "campaign", virtual_runs(truth, TWO_TEMPERATURES), name="virtual", notes="")
     tests = read_campaign(tmp_path / "campaign")
     taken = identify(tests, Structure(effects=("oil_damper",))).fit.law
     structures = better_structures(ask_again(taken, loops_of(tests)), None, ALONE)
@@ -383,7 +385,7 @@ def test_a_base_that_does_better_is_tried_alone_too(tmp_path):
     ],
 )
 def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, hidden, values, expected):
-    tests, taken = campaign((hidden,), **values), "gas_spring"
+    tests, taken = campaign((hidden,), TWO_TEMPERATURES, **values), "gas_spring"
     asked = ask_again(identify(tests, Structure(effects=(taken,))).fit.law, loops_of(tests))
     assert simpler_structure(asked, (), ALONE) is None
     assert simpler_structure(asked, (taken,), ALONE) == (expected and Structure("power", (expected,)))

@@ -207,7 +207,7 @@ def test_the_table_is_written_and_the_journal_goes(write, tmp_path: Path) -> Non
 
 
 def test_a_killed_study_goes_on_with_nothing_lost_or_done_twice(write, tmp_path: Path) -> None:
-    path = write('"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 40 }')
+    path = write('"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 16 }')
     output = tmp_path / "study.parquet"
     command = [sys.executable, "-m", "pipeclamp", "sweep", str(path), "-o", str(output), "--jobs", "1"]
     journal = journal_of(output)
@@ -217,12 +217,12 @@ def test_a_killed_study_goes_on_with_nothing_lost_or_done_twice(write, tmp_path:
             time.sleep(0.02)
         running.kill()
     kept = [json.loads(line) for line in journal.read_text(encoding="utf-8").split("\n")[1:-1]]
-    assert 4 <= len(kept) < 40
+    assert 4 <= len(kept) < 16
     with journal.open("a", encoding="utf-8") as stream:
-        stream.write('{"case": 39, "erro')  # as a kill in the middle of a line leaves it
+        stream.write('{"case": 15, "erro')  # as a kill in the middle of a line leaves it
     subprocess.run(command, check=True, capture_output=True)
     frame = pl.read_parquet(output)
-    assert frame["case"].to_list() == list(range(40))
+    assert frame["case"].to_list() == list(range(16))
     assert (frame["error"] == "").all()
     # The time that a case took tells whether it was done again.
     assert [frame["seconds"][row["case"]] for row in kept] == [row["seconds"] for row in kept]

@@ -65,7 +65,8 @@ def freed_of(known):
 def function(expression):
     free = sorted(expression.free_symbols, key=str)
     compiled = sp.lambdify(free, expression, modules="numpy", printer=ArrayPrinter)
-    return lambda **known: compiled(*(known[str(symbol)] for symbol in free))
+    names = [symbol.name for symbol in free]
+    return lambda **known: compiled(*(known[name] for name in names))
 
 
 def misses(wanted, free, force):

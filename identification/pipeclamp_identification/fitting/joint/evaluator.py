@@ -63,10 +63,11 @@ class Evaluator:
 
     def residual(self, free_values: Array) -> Array:
         """Give the weighted residuals, flat; values beyond all reason count as huge, not as NaN."""
-        residual = self.observations.residual(self.law_force(free_values))
-        return np.nan_to_num(residual, nan=1e6, posinf=1e6, neginf=-1e6).ravel()
+        residual = self.observations.residual(self.law_force(free_values)).ravel()
+        return residual if np.isfinite(residual).all() else np.nan_to_num(residual, nan=1e6, posinf=1e6, neginf=-1e6)
 
     def jacobian(self, free_values: Array) -> Array:
         """Give the residuals' derivatives by the free parameters, shape (residuals, free)."""
         slopes = self.observations.residual_slopes(self.law_force(free_values), self.free)
-        return np.nan_to_num(slopes.reshape(len(self.free), slopes.shape[1] * slopes.shape[2]).T)
+        slopes = slopes.reshape(len(self.free), slopes.shape[1] * slopes.shape[2]).T
+        return slopes if np.isfinite(slopes).all() else np.nan_to_num(slopes)
