@@ -33,7 +33,8 @@ def discover(
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
     Effects that the law does as well without, now that it has the term, go: a part may have stood for it. Where the law
-    with the best term doesn't hold on all tests, what passed in another place is put in.
+    with the best term doesn't hold on all tests, what passed in another place is put in. Where no term passes, an
+    effect of the catalogue does that passes what a term is asked, as a part.
 
     Args:
         file: the law.
@@ -51,7 +52,8 @@ def discover(
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
     if found.found is None or not found.found.passed:
-        return TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+        none = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+        return _with_effect_instead(none, tests, command, declared, workers)
     refusals = []
     for one in (found.found, *found.others):
         proposal = _put_in(one, replace(found, found=one), file, tests, command, declared, workers)
@@ -104,6 +106,35 @@ def _put_in(
     heldout = BeforeAfter(added.heldout.before, steps[-1].heldout.after)
     gone = (*best.gone, *(change.step.effect for change in steps[1:]))
     return TermProposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)
+
+
+def _with_effect_instead(
+    none: TermProposal, tests: RecordTests, command: str, declared: Collection[Declaration], workers: Workers
+) -> TermProposal:
+    """Put an effect of the catalogue into a law, as a part, that passed where no term did, if it holds on all tests."""
+    one, file = none.search.instead, none.before
+    if one is None:
+        return none
+    workers.tell(f"refit with {one.name} to all tests")
+    provenance = Provenance(command, file.date)
+    added = add_effect(
+        file, one.name, tests,
+        provenance=provenance, declared=declared, kind="part", start=one.judged.result.law.values,
+        progress=workers.tell,
+    )  # fmt: skip
+    whole = _on_all_tests(added, beside=True)
+    if not whole.passed:
+        return none
+    steps = [added, *without_spares(added.after, one.name, tests, provenance=provenance, progress=workers.tell)]
+    law = steps[-1].after
+    energy = passive(law, file)
+    if not energy.passed:
+        return none
+    heldout = BeforeAfter(added.heldout.before, steps[-1].heldout.after)
+    gone = tuple(change.step.effect for change in steps[1:])
+    return replace(
+        none, after=law, heldout=heldout, spare=gone, instead=one.name, guards=(*one.guards, whole, energy)
+    )
 
 
 def _on_all_tests(added: LawChange, *, beside: bool) -> Guard:
