@@ -62,7 +62,7 @@ def discover(
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = after_discovery(
         found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths,
-        instead=bool(found.spare),
+        instead=bool(found.spare), of_catalogue=found.instead,
     )  # fmt: skip
     if report:
         from pipeclamp.pages.discovery import discovery_page

@@ -62,9 +62,7 @@ def effect_instead(diagnosis: Diagnosis, bar: Hurdle, problem: Problem) -> Effec
     return min(as_well, key=lambda one: one.judged.akaike)
 
 
-def _guards_of(
-    one: Judged, on_seen: Judged, diagnosis: Diagnosis, bar: Hurdle, problem: Problem
-) -> tuple[Guard, ...]:
+def _guards_of(one: Judged, on_seen: Judged, diagnosis: Diagnosis, bar: Hurdle, problem: Problem) -> tuple[Guard, ...]:
     part = _takes_a_part(one, diagnosis)
     if not part.passed:
         return (part,)

@@ -62,7 +62,9 @@ class DiscoveryAnswer(AnswerModel):
     rivals: tuple[RivalAnswer, ...] = Field(
         description="terms that do as well, on these conditions or in a tenth of draws of them"
     )
-    guards: tuple[GuardAnswer, ...] = Field(description="what was asked of the best term, or of the effect in its place, and with which figures")
+    guards: tuple[GuardAnswer, ...] = Field(
+        description="what was asked of the best term, or of the effect in its place, and with which figures"
+    )
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")
     caution: str | None = Field(description="what isn't to be trusted of the best term, in words")

@@ -132,9 +132,7 @@ def _with_effect_instead(
         return none
     heldout = BeforeAfter(added.heldout.before, steps[-1].heldout.after)
     gone = tuple(change.step.effect for change in steps[1:])
-    return replace(
-        none, after=law, heldout=heldout, spare=gone, instead=one.name, guards=(*one.guards, whole, energy)
-    )
+    return replace(none, after=law, heldout=heldout, spare=gone, instead=one.name, guards=(*one.guards, whole, energy))
 
 
 def _on_all_tests(added: LawChange, *, beside: bool) -> Guard:
