@@ -155,9 +155,9 @@ def counted(outcome: BeyondOutcome, truth: frozenset[str]) -> str:
 
     Of nothing: "right", or "false alarm" where a term is proposed or an effect joins. Of an effect of the catalogue:
     "right"; "displaced" where a term is proposed in its place, before the ladder or after one that didn't find it;
-    "false alarm" where one is proposed beside it, or another effect joins. Of a law beyond the catalogue: "right form", "wrong form" or "wrong kind" of
-    what is proposed; where nothing is, "nothing left" where the ladder came near the floor by itself, else "nothing
-    proposed".
+    "false alarm" where one is proposed beside it, or another effect joins. Of a law beyond the catalogue: "right form",
+    "wrong form" or "wrong kind" of what is proposed; where nothing is, "nothing left" where the ladder came near the
+    floor by itself, else "nothing proposed".
 
     Args:
         outcome: what was answered.

@@ -72,7 +72,7 @@ class DiscoveryAnswer(AnswerModel):
         description="the test that would tell the term from its rivals, in words; null where none does"
     )
     left_over: tuple[str, ...] = Field(
-        description="where the rest lies, where neither a term nor an effect in its place is proposed; most important first"
+        description="where the rest lies, where neither a term nor an effect is given; most important first"
     )
     spare: tuple[str, ...] = Field(description="effects that went: the law does as well without them, with the term")
     instead: str | None = Field(
