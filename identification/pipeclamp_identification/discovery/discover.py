@@ -159,7 +159,7 @@ def search(
     instead = None
     if not leaves_scatter and not any(one.passed for one in heard):
         workers.tell("effects of the catalogue in the place of a term")
-        instead = effect_instead(found.diagnosis, bar, problem)
+        instead = effect_instead(found.diagnosis, bar, problem, columns)
     if not heard:
         return TermSearch(found, None, len(every), own if isinstance(own, str) else "", instead=instead)
     heard = weighed_by_the_best(heard, problem)

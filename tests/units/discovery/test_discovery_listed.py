@@ -49,18 +49,20 @@ def judged(name, squares, akaike, objections=()):
     return SimpleNamespace(
         effects=(name,), objections=objections, squares=float(np.sum(squares)), akaike=akaike,
         score=SimpleNamespace(squares=squares), result=SimpleNamespace(law=law),
+        fitted=SimpleNamespace(residual=None, jacobian=None),
     )  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("failing", "expected"),
+    ("failing", "by_chance", "expected"),
     [
-        ((), "likely"),
-        (("likely",), "best"),
-        (("likely", "best"), None),
+        ((), 900.0, "likely"),
+        (("likely",), 900.0, "best"),
+        (("likely", "best", "worse"), 900.0, None),
+        ((), 4000.0, None),  # what the best of all terms would explain, too
     ],
 )
-def test_the_likeliest_effect_that_passes_is_taken(failing, expected, monkeypatch):
+def test_the_likeliest_effect_that_passes_is_taken(failing, by_chance, expected, monkeypatch):
     """Not one that a bound stopped, nor one that foretells worse beyond doubt, however likely."""
     every = [
         judged("best", 100.0 + TURNS, 900.0),
@@ -73,11 +75,12 @@ def test_the_likeliest_effect_that_passes_is_taken(failing, expected, monkeypatc
     monkeypatch.setattr(listed, "beyond_the_tests", lambda *given: passes)
     monkeypatch.setattr(
         listed, "confirmed",
-        lambda law, found, *given: replace(passes, passed=found.removeprefix("with ") not in (*failing, "worse")),
+        lambda law, found, *given: replace(passes, passed=found.removeprefix("with ") not in failing),
     )  # fmt: skip
     law = judged("", 200.0 + TURNS, 2000.0)
     diagnosis = SimpleNamespace(law=law, candidates=every, problem=SimpleNamespace(groups=GROUPS))
-    found = effect_instead(diagnosis, Hurdle(law, every, None, ()), None)
+    monkeypatch.setattr(listed, "screened_columns", lambda *given: SimpleNamespace(by_chance=lambda: by_chance))
+    found = effect_instead(diagnosis, Hurdle(law, every, None, ()), diagnosis.problem, [])
     assert (found and found.name) == expected
 
 
@@ -88,7 +91,7 @@ def test_what_takes_no_part_is_not_asked_further(monkeypatch):
     monkeypatch.setattr(listed, "takes_part", lambda *given: True)
     monkeypatch.setattr(listed, "explained_share", lambda *given: 0.3)
     monkeypatch.setattr(listed, "rests_on", lambda *given: SimpleNamespace(condition="f"))
-    assert effect_instead(diagnosis, Hurdle(law, [one], None, ()), None) is None
+    assert effect_instead(diagnosis, Hurdle(law, [one], None, ()), None, []) is None
 
 
 @pytest.mark.parametrize("named", ["complete", "unknown"])
