@@ -128,7 +128,8 @@ def search(
     if len(causes) == 1:
         return TermSearch(found, None, 0, catalogue_first(causes))
     structure = structure_of(file).with_declared(declared)
-    leaves_scatter = found.verdict == "complete" and found.diagnosis.is_adequate(found.diagnosis.law)
+    is_adequate = found.diagnosis.is_adequate(found.diagnosis.law)
+    leaves_scatter = found.verdict == "complete" and is_adequate
     if leaves_scatter and not structure.effects:
         return TermSearch(found, None, 0, NOTHING_MISSING)
     loops = _by_name(loops)
@@ -157,7 +158,9 @@ def search(
     if causes and not any(one.passed for one in heard):
         return TermSearch(found, None, len(every), catalogue_first(causes))
     instead = None
-    if not leaves_scatter and not any(one.passed for one in heard):
+    # what is let pass asks for no effect: as form, or where the tests are too few to call the law complete
+    lacks = found.verdict != "complete" and not is_adequate
+    if lacks and not any(one.passed for one in heard):
         workers.tell("effects of the catalogue in the place of a term")
         instead = effect_instead(found.diagnosis, bar, problem, columns)
     if not heard:

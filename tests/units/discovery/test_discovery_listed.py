@@ -94,10 +94,17 @@ def test_what_takes_no_part_is_not_asked_further(monkeypatch):
     assert effect_instead(diagnosis, Hurdle(law, [one], None, ()), None, []) is None
 
 
-@pytest.mark.parametrize("named", ["complete", "unknown"])
-def test_an_effect_is_asked_where_something_is_missing_and_no_term_passes(tests, named, monkeypatch):
-    diagnosis = SimpleNamespace(law=None, is_adequate=lambda law: named == "complete", candidates=())
-    found = SimpleNamespace(verdict=named, kind=None, effects=(), diagnosis=diagnosis)
+@pytest.mark.parametrize(
+    ("verdict", "adequate", "asked"),
+    [("unknown", False, True), ("complete", False, False), ("complete", True, False), ("unknown", True, False)],
+)
+def test_an_effect_is_asked_where_something_is_missing_and_no_term_passes(tests, verdict, adequate, asked, monkeypatch):
+    """Not where what is left is let pass: as form, or where the tests are too few to call the law complete.
+
+    Of twelve runs that scatter by a per cent, with nothing missing, `stiffness_frequency` would have joined.
+    """
+    diagnosis = SimpleNamespace(law=None, is_adequate=lambda law: adequate, candidates=())
+    found = SimpleNamespace(verdict=verdict, kind=None, effects=(), diagnosis=diagnosis)
     effect = EffectFound(judged("quadratic_damping", TURNS, 0.0), ())
     monkeypatch.setattr(discover, "diagnosed", lambda *given, **named: found)
     monkeypatch.setattr(discover, "_asked", lambda *given: "no term of the grammar explains more")
@@ -106,7 +113,7 @@ def test_an_effect_is_asked_where_something_is_missing_and_no_term_passes(tests,
     monkeypatch.setattr(discover, "effect_instead", lambda *given: effect)
     law = identify(tests, Structure("power", ("hardening",)))
     file = law_file(law, tests, name="law", provenance=Provenance("test"))
-    assert discover.search(file, tests, workers=ALONE).instead is (effect if named == "unknown" else None)
+    assert discover.search(file, tests, workers=ALONE).instead is (effect if asked else None)
 
 
 @pytest.mark.parametrize(("name", "joins"), [("quadratic_damping", True), ("asymmetry", False)])
