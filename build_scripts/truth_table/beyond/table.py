@@ -25,8 +25,8 @@ cases in which the base law can't imitate at least 0.3 of the force noise.
 is of a family that the law's row in the list below states, and its force differs from the hidden one by at most
 {RIGHT_FORM:.0%} (rms), over the harmonics of the held-out motions, both freed of what the parameters of the law beside
 it can do: of effects in whose place it stands none are left. *Nothing is missing*: nothing was hidden, or an effect of
-the catalogue that the ladder found. *Displaced*: an effect of the catalogue was hidden, and a term is proposed in its
-place, of the base law or after a ladder that didn't find it."""
+the catalogue that the ladder found; an effect that joins there counts as proposed. *Displaced*: an effect of the
+catalogue was hidden, and a term is proposed in its place, of the base law or after a ladder that didn't find it."""
 
 
 def near_floor(rows: Sequence[Row]) -> float:

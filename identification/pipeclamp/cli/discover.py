@@ -32,7 +32,10 @@ def discover(
     law: LawArgument,
     campaign: CampaignFolder,
     output: Annotated[Path, file_option("EFFECT.toml", "The declaration to write, where a term is proposed.")],
-    auto: Annotated[Path | None, file_option("LAW2.json", "Write the law with the term too.", "--auto")] = None,
+    auto: Annotated[
+        Path | None,
+        file_option("LAW2.json", "Write the law with the term too, or with an effect that takes its place.", "--auto"),
+    ] = None,
     json: JsonOption = None,
     report: ReportOption = None,
     declared: DeclaredOption = None,
