@@ -34,6 +34,7 @@ class Answered:
         guards: those that weren't passed, with figures.
         tried: terms that were evaluated.
         seconds: what it took.
+        instead: an effect of the catalogue that joined the law in the place of a term; "" where none did.
     """
 
     proposed: bool
@@ -43,6 +44,7 @@ class Answered:
     guards: tuple[str, ...]
     tried: int
     seconds: float
+    instead: str = ""
 
 
 @dataclass(frozen=True)
@@ -137,18 +139,25 @@ def _asked(file: LawFile, tests: RecordTests) -> tuple[TermProposal, Answered]:
     failed = tuple(f"{guard.asked}: {guard.words}" for guard in told.guards if not guard.passed)
     seconds = round(time.perf_counter() - begin, 1)
     return proposal, Answered(
-        told.proposed, told.family or "", told.formula or "", told.reason, failed, told.tried, seconds
+        told.proposed,
+        told.family or "",
+        told.formula or "",
+        told.reason,
+        failed,
+        told.tried,
+        seconds,
+        told.instead or "",
     )
 
 
 def counted(outcome: BeyondOutcome, truth: frozenset[str]) -> str:
     """Say how a case came out, in a word.
 
-    Of nothing: "right", or "false alarm" where something is proposed. Of an effect of the catalogue: "right";
-    "displaced" where a term is proposed in its place, before the ladder or after one that didn't find it; "false
-    alarm" where one is proposed beside it. Of a law beyond the catalogue: "right form", "wrong form" or "wrong kind" of
-    what is proposed; where nothing is, "nothing left" where the ladder came near the floor by itself, else "nothing
-    proposed".
+    Of nothing: "right", or "false alarm" where a term is proposed or an effect joins. Of an effect of the catalogue:
+    "right"; "displaced" where a term is proposed in its place, before the ladder or after one that didn't find it;
+    "false alarm" where one is proposed beside it, or another effect joins. Of a law beyond the catalogue: "right form",
+    "wrong form" or "wrong kind" of what is proposed; where nothing is, "nothing left" where the ladder came near the
+    floor by itself, else "nothing proposed".
 
     Args:
         outcome: what was answered.
@@ -156,7 +165,7 @@ def counted(outcome: BeyondOutcome, truth: frozenset[str]) -> str:
     """
     proposed = outcome.found is not None and outcome.found.proposed
     if outcome.kind == "none":
-        return "false alarm" if proposed else "right"
+        return "false alarm" if proposed or _joined(outcome) else "right"
     if outcome.kind == "effect":
         return _beside_the_catalogue(outcome, proposed, truth)
     if not proposed:
@@ -170,6 +179,11 @@ def _beside_the_catalogue(outcome: BeyondOutcome, proposed: bool, truth: frozens
     if outcome.first is not None and outcome.first.proposed:
         return "displaced"
     if not proposed:
-        return "right"
+        return "right" if _joined(outcome) <= truth else "false alarm"
     found = {effect_id(name) for name in outcome.ladder}
     return "false alarm" if truth <= found else "displaced"
+
+
+def _joined(outcome: BeyondOutcome) -> set[str]:
+    """Give the ids of the effects that joined in the place of a term, before the ladder or after it."""
+    return {effect_id(one.instead) for one in (outcome.first, outcome.found) if one is not None and one.instead}

@@ -25,8 +25,8 @@ cases in which the base law can't imitate at least 0.3 of the force noise.
 is of a family that the law's row in the list below states, and its force differs from the hidden one by at most
 {RIGHT_FORM:.0%} (rms), over the harmonics of the held-out motions, both freed of what the parameters of the law beside
 it can do: of effects in whose place it stands none are left. *Nothing is missing*: nothing was hidden, or an effect of
-the catalogue that the ladder found. *Displaced*: an effect of the catalogue was hidden, and a term is proposed in its
-place, of the base law or after a ladder that didn't find it."""
+the catalogue that the ladder found; an effect that joins there counts as proposed. *Displaced*: an effect of the
+catalogue was hidden, and a term is proposed in its place, of the base law or after a ladder that didn't find it."""
 
 
 def near_floor(rows: Sequence[Row]) -> float:
@@ -131,8 +131,16 @@ def beyond_markdown(rows: Sequence[Row], command: str) -> str:
 
 
 def _line(row: Row) -> str:
-    found = row["found"] or {"proposed": False, "formula": "", "reason": row["error"][:120], "family": ""}
+    found = row["found"] or {
+        "proposed": False,
+        "formula": "",
+        "reason": row["error"][:120],
+        "family": "",
+        "instead": "",
+    }
     words = f"{found['family']}: {found['formula']}" if found["proposed"] else found["reason"]
+    if found["instead"]:
+        words = f"{found['instead']} of the catalogue joins; {words}"
     if row["first"] and row["first"]["proposed"]:
         words = f"of the base law: {row['first']['formula']}; then {words}"
     errors = " | ".join(_number(row[key]) for key in ("identified", "diagnosed", "discovered"))

@@ -57,9 +57,14 @@ class Discovery(Shown):
         """Why nothing is proposed; empty where something is."""
         return self._found.reason
 
+    @property
+    def instead(self) -> str | None:
+        """Effect of the catalogue that passes what a term is asked where no term does; None where there is none."""
+        return self._found.instead or None
+
     @cached_property
     def law(self) -> Law | None:
-        """The law with the term, which no file holds yet; None where none is proposed."""
+        """The law with the term, or with `instead`, which no file holds yet; None where there is neither."""
         return None if self._found.after is None else Law(self._found.after)
 
     def save(self, path: PathOrName) -> Path:
@@ -78,7 +83,7 @@ class Discovery(Shown):
     def _next(self) -> str:
         return after_discovery(
             self.proposed, self._found.search.diagnosed, self.before.origin, self.tests.origin, "effect.toml", None,
-            instead=bool(self._found.spare),
+            instead=bool(self._found.spare), of_catalogue=self._found.instead,
         )  # fmt: skip
 
     def view(self) -> View:
@@ -116,7 +121,8 @@ def discover(
 
     Springs, dampers, elements that slip or creep, and factors on the law's coefficients are tried; none can create
     energy. What is proposed explains more than chance would at its best, comes back where the conditions are drawn
-    again, foretells conditions that were kept back, and betters every effect of the catalogue beyond doubt.
+    again, foretells conditions that were kept back, and betters every effect of the catalogue beyond doubt. Where no
+    term passes, an effect of the catalogue may that no diagnosis names: it joins the law as a part.
 
     Args:
         law: the law, or its file or bundled name.

@@ -32,7 +32,10 @@ def discover(
     law: LawArgument,
     campaign: CampaignFolder,
     output: Annotated[Path, file_option("EFFECT.toml", "The declaration to write, where a term is proposed.")],
-    auto: Annotated[Path | None, file_option("LAW2.json", "Write the law with the term too.", "--auto")] = None,
+    auto: Annotated[
+        Path | None,
+        file_option("LAW2.json", "Write the law with the term too, or with an effect that takes its place.", "--auto"),
+    ] = None,
     json: JsonOption = None,
     report: ReportOption = None,
     declared: DeclaredOption = None,
@@ -62,7 +65,7 @@ def discover(
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = after_discovery(
         found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths,
-        instead=bool(found.spare),
+        instead=bool(found.spare), of_catalogue=found.instead,
     )  # fmt: skip
     if report:
         from pipeclamp.pages.discovery import discovery_page

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_NOISE_SHARE
 from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
@@ -42,6 +43,8 @@ def discovery_words(proposal: TermProposal) -> list[str]:
     found = proposal.found
     kinds = "springs, dampers, elements that slip or creep, factors on the law's coefficients"
     tried = f"{proposal.search.tried} terms were tried: {kinds}."
+    if proposal.instead:
+        return [*_instead_words(proposal), tried]
     if proposal.declaration is None or found is None or proposal.heldout is None:
         words = [f"Nothing is proposed: {proposal.reason}."]
         if found:
@@ -51,12 +54,10 @@ def discovery_words(proposal: TermProposal) -> list[str]:
         if rest := proposal.left_over():
             words.append(f"Where the rest lies: {'; '.join(rest)}.")
         return words
-    before, after = proposal.heldout
-    scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""
     words = [
         f"Acts like {found.term.acts_like}.",
         numbers_words(proposal),
-        f"RMS error on left-out conditions {before:.2%} -> {after:.2%} of RMS force{scatter}.",
+        _error_words(proposal),
         *(f"The law does as well without {name}, now that it has the term: it went." for name in proposal.spare),
         f"As a formula: {formula_read(formula_of(proposal.declaration))}.",
         "These tests support it; it is no proof of a physical cause.",
@@ -69,6 +70,26 @@ def discovery_words(proposal: TermProposal) -> list[str]:
     return [*words, tried]
 
 
+def _instead_words(proposal: TermProposal) -> list[str]:
+    """Say that an effect of the catalogue takes the place of a term, and why no term is proposed."""
+    name = proposal.instead
+    return [
+        f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked: it joins the law.",
+        _error_words(proposal),
+        *(f"The law does as well without {one}, now that it has {name}: it went." for one in proposal.spare),
+        f"{NO_PROOF[0].upper()}{NO_PROOF[1:]}.",
+        f"No term is proposed: {proposal.reason}.",
+    ]
+
+
+def _error_words(proposal: TermProposal) -> str:
+    """Say what the error on left-out conditions does."""
+    assert proposal.heldout is not None  # something is proposed
+    before, after = proposal.heldout
+    scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""
+    return f"RMS error on left-out conditions {before:.2%} -> {after:.2%} of RMS force{scatter}."
+
+
 def _what_tells(found: TermFound) -> str:
     if found.next_test:
         return f"What tells: {found.next_test}"
@@ -79,9 +100,9 @@ def _what_tells(found: TermFound) -> str:
 
 
 def guards_table(proposal: TermProposal) -> Table:
-    """Give what was asked of the best term."""
+    """Give what was asked of the best term, or of the effect in its place."""
     rows = [(one.name, "yes" if one.passed else "no", one.words) for one in proposal.guards]
-    return Table(("asked", "passed", "with which figures"), rows, "what is asked before a term is proposed")
+    return Table(("asked", "passed", "with which figures"), rows, "what is asked before anything is proposed")
 
 
 def rivals_table(proposal: TermProposal) -> Table:

@@ -25,7 +25,7 @@ class DiscoveryShown(AnswerModel):
     proposed: bool
     words: tuple[str, ...]
     guards: tuple[tuple[str, bool, str], ...] = Field(description="what was asked of the best term, whether it passed")
-    law: str | None = Field(description="name of the law with the term")
+    law: str | None = Field(description="name of the law with the term, or with the effect in its place")
 
 
 def discover(
@@ -39,8 +39,9 @@ def discover(
     tell("reading the tests")
     tests, file = read_tests(Path(campaign)).of_sines(), read_law(Path(of))
     found = discovered(file, tests, command=command, workers=Workers(spare_cores(), tell))
-    if found.declaration is not None and found.after is not None:
+    if found.declaration is not None:
         write_whole(Path(term), toml_of(found.declaration))
+    if found.after is not None:
         write_whole(Path(law), law_text(found.after.model_copy(update={"date": now()})))
     write_whole(Path(answer), found.answer().json_text())
     discovery = DiscoveryShown(
@@ -48,7 +49,7 @@ def discover(
         proposed=found.proposed,
         words=tuple(discovery_words(found)),
         guards=tuple((one.name, one.passed, one.words) for one in found.guards),
-        law=Path(law).stem if found.proposed else None,
+        law=Path(law).stem if found.after is not None else None,
     )
     write_whole(Path(shown), discovery.json_text())
     return {"law": discovery.law} if discovery.law else {}

@@ -40,6 +40,7 @@ from pipeclamp_identification.discovery.hearing import (
     best_of_each,
     refitted_of,
 )
+from pipeclamp_identification.discovery.listed import EffectFound, effect_instead
 from pipeclamp_identification.discovery.refining import MOST_REFINED, Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
@@ -81,6 +82,7 @@ class TermSearch:
         tried: terms that were evaluated.
         reason: why nothing is proposed; empty where something is.
         others: terms that passed in other places, for the best one may not hold on all tests.
+        instead: an effect of the catalogue that passes where no term does; None where there is none.
     """
 
     diagnosed: RecordDiagnosed
@@ -88,6 +90,7 @@ class TermSearch:
     tried: int
     reason: str = ""
     others: tuple[TermFound, ...] = ()
+    instead: EffectFound | None = None
 
 
 def search(
@@ -125,7 +128,8 @@ def search(
     if len(causes) == 1:
         return TermSearch(found, None, 0, catalogue_first(causes))
     structure = structure_of(file).with_declared(declared)
-    leaves_scatter = found.verdict == "complete" and found.diagnosis.is_adequate(found.diagnosis.law)
+    is_adequate = found.diagnosis.is_adequate(found.diagnosis.law)
+    leaves_scatter = found.verdict == "complete" and is_adequate
     if leaves_scatter and not structure.effects:
         return TermSearch(found, None, 0, NOTHING_MISSING)
     loops = _by_name(loops)
@@ -153,15 +157,21 @@ def search(
     heard += in_the_place_of_effects(law, problem, asked, workers)
     if causes and not any(one.passed for one in heard):
         return TermSearch(found, None, len(every), catalogue_first(causes))
+    instead = None
+    # what is let pass asks for no effect: as form, or where the tests are too few to call the law complete
+    lacks = found.verdict != "complete" and not is_adequate
+    if lacks and not any(one.passed for one in heard):
+        workers.tell("effects of the catalogue in the place of a term")
+        instead = effect_instead(found.diagnosis, bar, problem, columns)
     if not heard:
-        return TermSearch(found, None, len(every), own if isinstance(own, str) else "")
+        return TermSearch(found, None, len(every), own if isinstance(own, str) else "", instead=instead)
     heard = weighed_by_the_best(heard, problem)
     best = best_heard(heard, problem)
     result = with_rivals_elsewhere(best, heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     others = sorted((one for one in heard if one.passed and one is not best), key=lambda one: one.judged.squares)
     reason = f"{result.term.acts_like}: {failed.words}" if failed else ""
-    return TermSearch(found, result, len(every), reason, tuple(others))
+    return TermSearch(found, result, len(every), reason, tuple(others), instead)
 
 
 def terms_asked(problem: Problem) -> list[Term]:

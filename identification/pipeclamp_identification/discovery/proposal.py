@@ -62,7 +62,9 @@ class DiscoveryAnswer(AnswerModel):
     rivals: tuple[RivalAnswer, ...] = Field(
         description="terms that do as well, on these conditions or in a tenth of draws of them"
     )
-    guards: tuple[GuardAnswer, ...] = Field(description="what was asked of the best term, and with which figures")
+    guards: tuple[GuardAnswer, ...] = Field(
+        description="what was asked of the best term, or of the effect in its place, and with which figures"
+    )
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")
     caution: str | None = Field(description="what isn't to be trusted of the best term, in words")
@@ -70,9 +72,13 @@ class DiscoveryAnswer(AnswerModel):
         description="the test that would tell the term from its rivals, in words; null where none does"
     )
     left_over: tuple[str, ...] = Field(
-        description="where the rest lies, where nothing is proposed; most important first"
+        description="where the rest lies, where neither a term nor an effect is given; most important first"
     )
     spare: tuple[str, ...] = Field(description="effects that went: the law does as well without them, with the term")
+    instead: str | None = Field(
+        description="effect of the catalogue, as `add` takes it, that passes what a term is asked where no term does; "
+        "a part, no proof"
+    )
 
 
 @dataclass(frozen=True)
@@ -82,13 +88,14 @@ class TermProposal:
     Attributes:
         search: the search.
         before: the law without the term.
-        after: the law with it, refitted to all tests; None where nothing is proposed.
+        after: the law with it, or with the effect in its place, refitted to all tests; None where neither is proposed.
         heldout: error on left-out groups before and after, of all tests.
         noise_nrmse: the scatter; None where it isn't known.
         declaration: the proposed effect, with its fitted values to start from.
-        guards: what was asked of the best term.
+        guards: what was asked of the best term, or of the effect in its place.
         reason: why nothing is proposed; empty where something is.
         spare: effects that went, for the law does as well without them, now that it has the term.
+        instead: an effect of the catalogue that the law has in the place of a term; empty where there is none.
     """
 
     search: TermSearch
@@ -100,10 +107,11 @@ class TermProposal:
     guards: tuple[Guard, ...]
     reason: str
     spare: tuple[str, ...]
+    instead: str = ""
 
     @property
     def proposed(self) -> bool:
-        """Whether there is anything to add."""
+        """Whether a term is."""
         return self.declaration is not None
 
     @property
@@ -135,11 +143,13 @@ class TermProposal:
             next_test=found.next_test or None if found else None,
             left_over=self.left_over(),
             spare=self.spare,
+            instead=self.instead or None,
         )
 
     def left_over(self) -> tuple[str, ...]:
         """Say where the rest lies, where a term was sought and none is proposed."""
-        return () if self.proposed or not self.search.tried else self.search.diagnosed.left_over()
+        nothing = self.after is None
+        return self.search.diagnosed.left_over() if nothing and self.search.tried else ()
 
     def best(self) -> Declaration | None:
         """Give the best term as it is proposed, or as it was searched; None where there is none."""
@@ -152,7 +162,7 @@ class TermProposal:
         declaration = self.best()
         if declaration is None or self.found is None:
             return ()
-        if self.after is None:
+        if self.after is None or self.instead:
             fit = self.found.judged.result
             values, at_bound = fit.law.values, set(fit.at_bound)
             errors: Mapping[str, float | None] = fit.standard_errors()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
@@ -18,7 +18,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, Provenance, law_of
+from pipeclamp_models.law.file import LawFile, NamedKind, Provenance, law_of
 from pipeclamp_models.law.step import BeforeAfter
 
 
@@ -33,7 +33,8 @@ def discover(
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
     Effects that the law does as well without, now that it has the term, go: a part may have stood for it. Where the law
-    with the best term doesn't hold on all tests, what passed in another place is put in.
+    with the best term doesn't hold on all tests, what passed in another place is put in. Where no term passes, an
+    effect of the catalogue does that passes what a term is asked, as a part.
 
     Args:
         file: the law.
@@ -51,7 +52,8 @@ def discover(
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
     if found.found is None or not found.found.passed:
-        return TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+        none = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+        return _with_effect_instead(none, tests, command, declared, workers)
     refusals = []
     for one in (found.found, *found.others):
         proposal = _put_in(one, replace(found, found=one), file, tests, command, declared, workers)
@@ -80,30 +82,75 @@ def _put_in(
     noise, guards = found.diagnosed.comparison.known_noise, best.guards
     proposal = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
     workers.tell("refit with the term to all tests")
-    provenance = Provenance(command, file.date)
     asked, values = best.term.declaration, dict(best.judged.result.law.values)
     term = renamed(asked, {*law_of(file).equations.names, *symbols_taken()})
     own = {new.symbol: values.pop(old.symbol) for old, new in zip(asked.parameters, term.parameters, strict=True)}
-    added = add_effect(
-        file, term.id, tests,
-        provenance=provenance, declared=(*declared, term), start={**values, **own}, instead=best.gone,
-        progress=workers.tell,
-    )  # fmt: skip
-    whole = _on_all_tests(added, beside=not best.gone)
-    if not whole.passed:
-        return refused(proposal, whole)
-    steps = [added, *without_spares(added.after, term.id, tests, provenance=provenance, progress=workers.tell)]
+    steps, asked_last = _joined(
+        file, term.id, tests, command, (*declared, term), workers, start={**values, **own}, instead=best.gone
+    )
+    if not asked_last[-1].passed:
+        return refused(proposal, asked_last[-1])
     law = steps[-1].after
-    energy = passive(law, file)
-    if not energy.passed:
-        return refused(proposal, energy)
     source = f"discovered from the tests {tests.name} by {software()}: a formula that fits, no proof of a cause"
     declaration = with_fitted(term, law, source)
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
-    heldout = BeforeAfter(added.heldout.before, steps[-1].heldout.after)
     gone = (*best.gone, *(change.step.effect for change in steps[1:]))
-    return TermProposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)
+    return TermProposal(found, file, law, _left_out_errors(steps), noise, declaration, (*guards, *asked_last), "", gone)
+
+
+def _with_effect_instead(
+    none: TermProposal, tests: RecordTests, command: str, declared: Collection[Declaration], workers: Workers
+) -> TermProposal:
+    """Put an effect of the catalogue into a law, as a part, that passed where no term did, if it holds on all tests."""
+    one, file = none.search.instead, none.before
+    if one is None:
+        return none
+    workers.tell(f"refit with {one.name} to all tests")
+    steps, asked_last = _joined(
+        file, one.name, tests, command, declared, workers, start=one.judged.result.law.values, kind="part"
+    )
+    if not asked_last[-1].passed:
+        return none
+    gone = tuple(change.step.effect for change in steps[1:])
+    return replace(
+        none, after=steps[-1].after, heldout=_left_out_errors(steps), spare=gone, instead=one.name,
+        guards=(*one.guards, *asked_last),
+    )  # fmt: skip
+
+
+def _joined(
+    file: LawFile,
+    effect: str,
+    tests: RecordTests,
+    command: str,
+    declared: Collection[Declaration],
+    workers: Workers,
+    *,
+    start: Mapping[str, float],
+    instead: Collection[str] = (),
+    kind: NamedKind | None = None,
+) -> tuple[list[LawChange], list[Guard]]:
+    """Add a term or an effect to a law, fitted to all tests, and take out what is spare then.
+
+    Returns:
+        the steps; and what was asked of the law with it, which ends with the first that it doesn't pass.
+    """
+    provenance = Provenance(command, file.date)
+    added = add_effect(
+        file, effect, tests,
+        provenance=provenance, declared=declared, kind=kind, start=start, instead=instead, progress=workers.tell,
+    )  # fmt: skip
+    whole = _on_all_tests(added, beside=not instead)
+    if not whole.passed:
+        return [added], [whole]
+    steps = [added, *without_spares(added.after, effect, tests, provenance=provenance, progress=workers.tell)]
+    return steps, [whole, passive(steps[-1].after, file)]
+
+
+def _left_out_errors(steps: Sequence[LawChange]) -> BeforeAfter:
+    """Give the error on left-out conditions before the first of some steps, and after the last."""
+    return BeforeAfter(steps[0].heldout.before, steps[-1].heldout.after)
 
 
 def _on_all_tests(added: LawChange, *, beside: bool) -> Guard:

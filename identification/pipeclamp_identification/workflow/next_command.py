@@ -90,6 +90,7 @@ def after_discovery(
     declared: Mapping[str, str] | None = None,
     *,
     instead: bool = False,
+    of_catalogue: str = "",
 ) -> str:
     """Give the shell line to run after a discovery.
 
@@ -98,15 +99,20 @@ def after_discovery(
         found: the diagnosis that the search began with.
         law, tests, declared: as for `next_command`.
         effect: the declaration's file.
-        following: the law with the term, where it was written.
+        following: the law with the term, or with the effect, where it was written.
         instead: whether effects of the law go for the term, which `add` would leave there.
+        of_catalogue: the effect that takes the place of a term; empty where none does.
     """
+    if of_catalogue and not following:
+        return shell_line("add", law, of_catalogue, tests, "-o", _following(law), "--as", "part")
+    if of_catalogue and following:
+        return after_change(following, tests)
     if not proposed and found.verdict != "unknown":
         return next_command(found, law, tests, declared)
     if not proposed:
         return shell_line("compare", law, tests, "--report", "compare.html")
     if following:
-        return shell_line("diagnose", following, tests)
+        return after_change(following, tests)
     if instead:
         return shell_line("discover", law, tests, "-o", effect, "--auto", _following(law))
     return shell_line("add", law, effect, tests, "-o", _following(law))

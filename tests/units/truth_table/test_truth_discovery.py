@@ -217,9 +217,11 @@ def test_effects_in_whose_place_a_term_stands_leave_nothing_to_it(jammed):
 
 
 def answered(proposed, family="damper"):
+    """Of a search: whether a term was proposed, or the name of an effect that joined in its place."""
     from beyond.judge import Answered
 
-    return Answered(proposed, family, "", "", (), 0, 0.0)
+    instead = proposed if isinstance(proposed, str) else ""
+    return Answered(proposed is True, family, "", "", (), 0, 0.0, instead)
 
 
 @pytest.mark.parametrize(
@@ -227,7 +229,11 @@ def answered(proposed, family="damper"):
     [
         ({"kind": "none", "found": False}, (), "right"),
         ({"kind": "none", "found": True}, (), "false alarm"),
+        ({"kind": "none", "found": "memory"}, (), "false alarm"),
         ({"kind": "effect", "ladder": ("memory:2",), "found": False}, ("memory",), "right"),
+        ({"kind": "effect", "ladder": (), "found": "memory:2"}, ("memory",), "right"),
+        ({"kind": "effect", "ladder": ("memory",), "found": "gap"}, ("memory",), "false alarm"),
+        ({"kind": "effect", "ladder": ("memory",), "found": False, "first": "gap"}, ("memory",), "false alarm"),
         ({"kind": "effect", "ladder": ("memory:2",), "found": True}, ("memory",), "false alarm"),
         ({"kind": "effect", "ladder": (), "found": True}, ("memory",), "displaced"),
         ({"kind": "effect", "ladder": ("memory",), "found": False, "first": True}, ("memory",), "displaced"),
