@@ -53,6 +53,9 @@ Method = Literal["joint", "surfaces"]
 
 ROUGHLY = 1e-5
 """Tolerance of the fits that only serve to see what the law leaves over, and to come near."""
+ANOTHER_VALLEY = 2.0
+"""Deviance by which a fit is likelier than another, what Akaike's criterion asks for a parameter more; by less both may
+have come to the same place."""
 
 
 @dataclass(frozen=True)
@@ -158,19 +161,21 @@ def fit_structure(
             return beside
     rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
-    if start:
-        # Weights of scatter alone may lead a law that is known out of its valley into a poorer one.
-        as_known = rough.with_discrepancy(unfitted(structure, rough, begin).law_force)
-        from_there = fit(structure, as_known, start=begin, tolerance=ROUGHLY, progress=progress)
-        first = min(first, from_there, key=lambda found: rough.deviance(found.law_force))
     if has_groups(loops):
         found_near = unfitted(structure, observations, first.law.values) if equations.states else first
         beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, progress, tolerance)
         if beside is not None:
             return beside
-    if equations.states:
+    if equations.states or start:
         near = fit(structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=ROUGHLY)
-        first = unfitted(structure, observations, near.law.values)
+        if start:
+            # Weights of scatter alone may have led a law that is known out of its valley into a poorer one.
+            as_known = rough.with_discrepancy(unfitted(structure, rough, begin).law_force)
+            from_there = fit(structure, as_known, start=begin, tolerance=ROUGHLY, progress=progress)
+            if rough.deviance(near.law_force) - rough.deviance(from_there.law_force) > ANOTHER_VALLEY:
+                first = near = from_there
+        if equations.states:
+            first = unfitted(structure, observations, near.law.values)
     widened = observations.with_discrepancy(first.law_force)
     result = fit(structure, widened, start=first.law.values, tolerance=tolerance, progress=progress)
     found = find_groups(loops, observations, result.law_force)
