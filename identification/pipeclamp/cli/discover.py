@@ -34,7 +34,7 @@ def discover(
     output: Annotated[Path, file_option("EFFECT.toml", "The declaration to write, where a term is proposed.")],
     auto: Annotated[
         Path | None,
-        file_option("LAW2.json", "Write the law with the term too, or with an effect that takes its place.", "--auto"),
+        file_option("LAW2.json", "Write the law with the term too.", "--auto"),
     ] = None,
     json: JsonOption = None,
     report: ReportOption = None,
@@ -76,6 +76,6 @@ def discover(
         write_report(report, title, about, discovery_page(found, laws, following), command_called())
     if found.declaration is not None:
         write_whole(output, toml_of(found.declaration))
-    if auto and found.after is not None:
-        write_whole(auto, law_text(found.after))
+        if auto and found.after is not None:
+            write_whole(auto, law_text(found.after))
     show(discovery_view(found, following), json)

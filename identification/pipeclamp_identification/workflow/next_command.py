@@ -99,14 +99,12 @@ def after_discovery(
         found: the diagnosis that the search began with.
         law, tests, declared: as for `next_command`.
         effect: the declaration's file.
-        following: the law with the term, or with the effect, where it was written.
+        following: the file for the law with the term, where one is named.
         instead: whether effects of the law go for the term, which `add` would leave there.
         of_catalogue: the effect that takes the place of a term; empty where none does.
     """
-    if of_catalogue and not following:
-        return shell_line("add", law, of_catalogue, tests, "-o", _following(law), "--as", "part")
-    if of_catalogue and following:
-        return after_change(following, tests)
+    if of_catalogue:
+        return shell_line("add", law, of_catalogue, tests, "-o", following or _following(law), "--as", "part")
     if not proposed and found.verdict != "unknown":
         return next_command(found, law, tests, declared)
     if not proposed:
