@@ -159,8 +159,8 @@ def search(
         return TermSearch(found, None, len(every), catalogue_first(causes))
     instead = None
     # what is let pass asks for no effect: as form, or where the tests are too few to call the law complete
-    lacks = found.verdict != "complete" and not is_adequate
-    if lacks and not any(one.passed for one in heard):
+    is_nameless = found.verdict == "unknown" and not is_adequate
+    if is_nameless and not any(one.passed for one in heard):
         workers.tell("effects of the catalogue in the place of a term")
         instead = effect_instead(found.diagnosis, bar, problem, columns)
     if not heard:

@@ -96,10 +96,16 @@ def test_what_takes_no_part_is_not_asked_further(monkeypatch):
 
 @pytest.mark.parametrize(
     ("verdict", "adequate", "asked"),
-    [("unknown", False, True), ("complete", False, False), ("complete", True, False), ("unknown", True, False)],
+    [
+        ("unknown", False, True),
+        ("missing", False, False),
+        ("complete", False, False),
+        ("complete", True, False),
+        ("unknown", True, False),
+    ],
 )
 def test_an_effect_is_asked_where_something_is_missing_and_no_term_passes(tests, verdict, adequate, asked, monkeypatch):
-    """Not where what is left is let pass: as form, or where the tests are too few to call the law complete.
+    """Not where a diagnosis names one, nor where what is left is let pass: as form, or for the tests are too few.
 
     Of twelve runs that scatter by a per cent, with nothing missing, `stiffness_frequency` would have joined.
     """
