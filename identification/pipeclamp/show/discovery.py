@@ -74,7 +74,7 @@ def _instead_words(proposal: TermProposal) -> list[str]:
     """Say that an effect of the catalogue takes the place of a term, and why no term is proposed."""
     name = proposal.instead
     return [
-        f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked: it belongs in the law.",
+        f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked: add it.",
         _error_words(proposal),
         *(f"The law does as well without {one}, now that it has {name}: it went." for one in proposal.spare),
         f"{NO_PROOF[0].upper()}{NO_PROOF[1:]}.",
