@@ -76,7 +76,7 @@ def _instead_words(proposal: TermProposal) -> list[str]:
     return [
         f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked: add it.",
         _error_words(proposal),
-        *(f"The law does as well without {one}, now that it has {name}: it went." for one in proposal.spare),
+        *(f"The law does as well without {one} then: `remove` it." for one in proposal.spare),
         f"{NO_PROOF[0].upper()}{NO_PROOF[1:]}.",
         f"No term is proposed: {proposal.reason}.",
     ]
