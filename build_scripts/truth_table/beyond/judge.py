@@ -139,15 +139,9 @@ def _asked(file: LawFile, tests: RecordTests) -> tuple[TermProposal, Answered]:
     failed = tuple(f"{guard.asked}: {guard.words}" for guard in told.guards if not guard.passed)
     seconds = round(time.perf_counter() - begin, 1)
     return proposal, Answered(
-        told.proposed,
-        told.family or "",
-        told.formula or "",
-        told.reason,
-        failed,
-        told.tried,
-        seconds,
+        told.proposed, told.family or "", told.formula or "", told.reason, failed, told.tried, seconds,
         told.instead or "",
-    )
+    )  # fmt: skip
 
 
 def counted(outcome: BeyondOutcome, truth: frozenset[str]) -> str:

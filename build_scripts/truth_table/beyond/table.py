@@ -131,16 +131,10 @@ def beyond_markdown(rows: Sequence[Row], command: str) -> str:
 
 
 def _line(row: Row) -> str:
-    found = row["found"] or {
-        "proposed": False,
-        "formula": "",
-        "reason": row["error"][:120],
-        "family": "",
-        "instead": "",
-    }
+    found = row["found"] or {"proposed": False, "formula": "", "reason": row["error"][:120], "family": ""}
     words = f"{found['family']}: {found['formula']}" if found["proposed"] else found["reason"]
-    if found["instead"]:
-        words = f"{found['instead']} of the catalogue joins; {words}"
+    if instead := found.get("instead"):  # draws before effects could join don't say
+        words = f"{instead} of the catalogue joins; {words}"
     if row["first"] and row["first"]["proposed"]:
         words = f"of the base law: {row['first']['formula']}; then {words}"
     errors = " | ".join(_number(row[key]) for key in ("identified", "diagnosed", "discovered"))

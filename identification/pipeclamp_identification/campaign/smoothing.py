@@ -58,19 +58,17 @@ def gain(share: float, order: npt.ArrayLike) -> Array:
     return np.asarray(np.sinc(np.asarray(order) * share))
 
 
-def averaged(periodic: Array, share: float, axis: int = -1) -> Array:
+def averaged(periodic: Array, share: float) -> Array:
     """Give periodic samples after a moving average over a share of the period.
 
     Args:
-        periodic: equally spaced over one period along the axis.
+        periodic: equally spaced over one period along the last axis.
         share: 0 for no average.
-        axis: along which to average.
     """
     if not share:
         return periodic
-    samples = periodic.shape[axis]
-    left = np.expand_dims(gain(share, np.arange(samples // 2 + 1)), tuple(range(1, periodic.ndim)))
-    return np.asarray(np.fft.irfft(np.fft.rfft(periodic, axis=axis) * np.moveaxis(left, 0, axis), samples, axis=axis))
+    samples = periodic.shape[-1]
+    return np.asarray(np.fft.irfft(np.fft.rfft(periodic) * gain(share, np.arange(samples // 2 + 1)), samples))
 
 
 def find_smoothing(records: Sequence[tuple[Record, Cycles]]) -> Smoothing:

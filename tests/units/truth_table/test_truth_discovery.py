@@ -274,6 +274,9 @@ def test_targets_count_what_the_issue_speaks_of():
     assert not found["clean: an effect of the catalogue displaced"]["met"]
     assert not beyond_sound(rows)
     assert "**missed**" in beyond_markdown(rows, "command")
+    former = {"proposed": False, "formula": "", "reason": "none passes", "family": ""}  # as drawn before effects joined
+    joined = [row("none", "false alarm", found=found) for found in (former, {**former, "instead": "memory"})]
+    assert beyond_markdown(joined, "command").count("memory of the catalogue joins; none passes") == 1
     beside = [row("beside", "right form", law="flag"), row("beside", "wrong form", law="flag", discovered=1.3)]
     found = {entry["target"]: entry for entry in beyond_targets([*rows, *beside])}
     assert found["clean: beside an effect of the catalogue: held-out error near the floor"]["value"] == 0.5
