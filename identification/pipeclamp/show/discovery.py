@@ -74,9 +74,9 @@ def _instead_words(proposal: TermProposal) -> list[str]:
     """Say that an effect of the catalogue takes the place of a term, and why no term is proposed."""
     name = proposal.instead
     return [
-        f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked: add it.",
+        f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked.",
         _error_words(proposal),
-        *(f"The law does as well without {one} then: `remove` it." for one in proposal.spare),
+        *(f"With it the law does as well without {one}." for one in proposal.spare),
         f"{NO_PROOF[0].upper()}{NO_PROOF[1:]}.",
         f"No term is proposed: {proposal.reason}.",
     ]
