@@ -9,6 +9,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.joint.fitted import Fit
+from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
@@ -122,8 +123,8 @@ def _likely_beforehand(parameter: Parameter, value: float) -> bool:
 
 
 def _shapes(parameter: Parameter) -> bool:
-    """Tell whether a parameter says what form an effect has, not how much of it there is: shapes are plain numbers."""
-    return parameter.unit == "-"
+    """Tell whether a parameter says what form an effect has, not how much of it there is: an exponent, a way, a time."""
+    return not grows_with_force(parameter.unit)
 
 
 def _at_bound_words(parameter: Parameter, result: Fit) -> str:
