@@ -142,7 +142,7 @@ RARE static Status discarded(const Instance *instance, double time, double h, co
 static Status started(Instance *instance)
 {
     char reason[TEXT];
-    if (model_start(&instance->done, &instance->values, reason))
+    if (model_start(&instance->done, &instance->values, instance->time, reason))
         return STATUS_OK;
     instance_say(instance, STATUS_ERROR, "start values: %s", reason);
     return STATUS_WARNING;
