@@ -2,9 +2,11 @@
 
 import shutil
 from ctypes import byref
+from math import nan
 
 import fmpy
 import pytest
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks
 from fmpy.fmi3 import FMU3Slave
 
@@ -97,3 +99,28 @@ def test_an_excitation_begins_with_what_it_is_when_the_run_starts(tmp_path, kind
     signal.doStep(0.15, 0.05)
     assert get([1]) == pytest.approx([6.0])
     signal.freeInstance()
+
+
+def test_only_those_categories_are_logged_that_the_importer_names(drive, native_fmus):
+    clamp = drive(native_fmus[2])
+    messages = clamp.messages
+    clamp.slave.setDebugLogging(True, ["logStatusDiscard"])
+    clamp.step(0.01, flange__s=5e-3)
+    assert not clamp.get("inRange")
+    assert messages.warnings == []
+    with pytest.raises(FMICallException):
+        clamp.step(0.01, flange__s=nan)
+    (said,) = messages.errors
+    assert said.startswith("step from 0.01 s by 0.01 s discarded: flange.s is nan")
+    clamp.slave.setDebugLogging(True, ["logStatusWarning", "logStatusError"])
+    with pytest.raises(FMICallException):
+        clamp.step(0.01, flange__s=nan)
+    assert messages.errors == [said]
+    clamp.slave.setDebugLogging(True, [])
+    with pytest.raises(FMICallException):
+        clamp.step(0.01, flange__s=nan)
+    assert messages.errors == [said, said]
+    clamp.slave.setDebugLogging(False, ["logAll"])
+    with pytest.raises(FMICallException):
+        clamp.step(0.01, flange__s=nan)
+    assert messages.errors == [said, said]

@@ -102,7 +102,7 @@ FMU_API(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2Stri
             hand_over(functions->logger, functions->componentEnvironment, name, STATUS_ERROR, reason);
         return NULL;
     }
-    instance->logging = logging;
+    instance->logging = logging ? ALL_STATUSES : 0;
     instance->tell = tell;
     if (functions) {
         instance->logger = (void (*)(void))functions->logger;

@@ -62,7 +62,7 @@ RARE static void instance_say(const Instance *instance, Status status, const cha
 {
     char text[TEXT + 128];
     va_list arguments;
-    if (!instance->logging)
+    if (!(instance->logging >> status & 1))
         return;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
@@ -135,7 +135,7 @@ RARE static Status discarded(const Instance *instance, double time, double h, co
 {
     char step[32];
     snprintf(step, sizeof step, isnan(h) ? "nan" : "%g", h);
-    instance_say(instance, STATUS_ERROR, "step from %g s by %s s discarded: %s", time, step, reason);
+    instance_say(instance, STATUS_DISCARD, "step from %g s by %s s discarded: %s", time, step, reason);
     return STATUS_DISCARD;
 }
 
