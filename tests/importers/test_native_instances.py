@@ -3,6 +3,7 @@
 import shutil
 from ctypes import byref
 from math import nan
+from zipfile import ZipFile
 
 import fmpy
 import pytest
@@ -99,6 +100,14 @@ def test_an_excitation_begins_with_what_it_is_when_the_run_starts(tmp_path, kind
     signal.doStep(0.15, 0.05)
     assert get([1]) == pytest.approx([6.0])
     signal.freeInstance()
+
+
+def test_no_icon_is_stated_where_there_is_none(tmp_path):
+    if system_compiler() is None:
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    build_native_excitation(Samples(0.1, [0.0, 2.0], "N"), tmp_path / "excitation.fmu", 3)
+    with ZipFile(tmp_path / "excitation.fmu") as packed:
+        assert not [name for name in packed.namelist() if name.startswith("terminalsAndIcons/")]
 
 
 def test_only_those_categories_are_logged_that_the_importer_names(drive, native_fmus):
