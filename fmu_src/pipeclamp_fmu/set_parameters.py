@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 from pipeclamp_fmu.build import native_clamp_content, python_clamp_content
 from pipeclamp_fmu.contents.clamp_model import ClampStart
+from pipeclamp_fmu.contents.reference import FOLDER as REFERENCES
 from pipeclamp_fmu.describe.model_description import FILE_NAME as MODEL_DESCRIPTION
 from pipeclamp_fmu.native.clamp import DISSIPATED, MEMORY
 from pipeclamp_fmu.native.packing import native_files
@@ -56,7 +57,9 @@ def set_parameters(fmu: Path, file: LawFile, output: Path) -> None:
             f"{', '.join(file.effects) or 'none'}), or by another version of this program; expected a law of the same "
             "base and effects, else build anew: pipeclamp build-fmu"
         )
-    write_whole(output, zipped(files | replaced))
+    # what stands behind the law is the new one's, which may have fewer parameter sets
+    kept = {name: content for name, content in files.items() if not name.startswith(f"{REFERENCES}/")}
+    write_whole(output, zipped(kept | replaced))
 
 
 @dataclass(frozen=True)

@@ -103,3 +103,20 @@ def test_too_long_a_run_is_refused(folder, tmp_path):
     with pytest.raises(UserError, match="1000000 steps; expected at most 200000"):
         write_system(tmp_path / "system.toml", tmp_path / "system.ssp", PYTHON)
     assert not (tmp_path / "system.ssp").exists()
+
+
+def test_clamps_may_be_called_as_the_pipe_and_the_excitation(folder, pipe_text, tmp_path):
+    text = pipe_text("pipe").replace('"clamp1"', '"Pipe"').replace('"clamp2"', '"pipe_"')
+    (tmp_path / "pipe.toml").write_text(text, encoding="utf-8")
+    system = SYSTEM.format(stop=0.001, step=1e-4).replace('"clamp1"', '"Pipe"').replace('"clamp2"', '"pipe_"')
+    system = system.replace("softer.json", str(folder / "softer.json"))
+    (tmp_path / "system.toml").write_text(system, encoding="utf-8")
+    write_system(tmp_path / "system.toml", tmp_path / "system.ssp", PYTHON)
+    with zipfile.ZipFile(tmp_path / "system.ssp") as archive:
+        names = [name.casefold() for name in archive.namelist()]
+        description = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    assert len(set(names)) == len(names) == 7
+    elements = [entry.get("name") for entry in description.iter() if entry.tag.endswith("}Component")]
+    assert elements == ["excitation", "pipe__", "Pipe", "pipe_"]
+    ends = {(entry.get("startElement"), entry.get("endElement")) for entry in description.iter()}
+    assert {("excitation", "pipe__"), ("pipe__", "Pipe"), ("pipe_", "pipe__")} <= ends

@@ -15,6 +15,7 @@ from lxml import etree
 
 from pipeclamp_fmu.build import build_clamp
 from pipeclamp_fmu.contents.clamp_model import ClampStart
+from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.law.file import Covariance, LastDiagnosis, Shares, Spread
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
@@ -131,3 +132,10 @@ def test_nothing_is_made_up_where_nothing_is_known(native_fmus):
     assert record["diagnosis"] == {"verdict": "never diagnosed"}
     assert len(record["cautions"]) == 2
     assert "never diagnosed" in page
+
+
+def test_parameter_sets_of_another_law_go_with_it(fmu, law_with_memory, tmp_path):
+    """As of a law that tells less of how sure it is, which has fewer."""
+    set_parameters(fmu, law_with_memory, tmp_path / "changed.fmu")
+    build_clamp(law_with_memory, tmp_path / "anew.fmu", ClampStart(T=433.15))
+    assert (tmp_path / "changed.fmu").read_bytes() == (tmp_path / "anew.fmu").read_bytes()

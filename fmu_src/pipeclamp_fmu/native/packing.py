@@ -117,8 +117,9 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         **content.further,
     }
     files |= licence_files()
-    if fmi == 3 or content.terminals:
-        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(description, with_icon=fmi == 3)
+    shows_icon = fmi == 3 and bool(content.icon)
+    if shows_icon or content.terminals:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(description, with_icon=shows_icon)
     if content.icon:
         files["model.png" if fmi == 2 else "terminalsAndIcons/icon.png"] = content.icon
     return files

@@ -26,10 +26,21 @@ def interpolated(time: float) -> float:
 
 
 class ExcitationSlave(Fmi2Slave):
-    """A signal over time."""
+    """A signal over time.
+
+    Attributes:
+        _start: of the run, s.
+    """
+
+    KEPT = ("_start",)
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__((), (), OUTPUTS, (), (), kwargs)
+        self._start = 0.0
+
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        """Learn when the run starts."""
+        self._start = start_time if math.isfinite(start_time) else 0.0
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Move to the end of the step; refuse what can't be."""
@@ -40,4 +51,4 @@ class ExcitationSlave(Fmi2Slave):
         return True
 
     def _evaluate_start(self) -> None:
-        self._reals[0] = interpolated(0.0)
+        self._reals[0] = interpolated(self._start)

@@ -17,12 +17,13 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.law.file import write_law
-from pipeclamp_models.law.range import conditions_beyond, conditions_inside
+from pipeclamp_models.law.file import LawFile, write_law
+from pipeclamp_models.law.range import as_in_range, conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown_of_clamps
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
 from pipeclamp_system.cosim.building import TO_RUN_IN_DOUBT, law_in
+from pipeclamp_system.cosim.law_conditions import further_conditions
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.system import SystemDescription, read_system
@@ -117,7 +118,10 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     drawn = even_normal(max(FEWEST_MEMBERS, 2 * roots.shape[1]), roots.shape[1])
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
-    at = [_conditions(result, places[index]) for index in range(len(places))]
+    at = [
+        as_in_range(law.file, _conditions(result, place, law.file, str(path)))
+        for place, law in zip(places, what.laws, strict=True)
+    ]
     beyond = [conditions_beyond(law.file, one) for law, one in zip(what.laws, at, strict=True)]
     inside = [conditions_inside(law.file.range, one) for law, one in zip(what.laws, at, strict=True)]
     folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
@@ -181,13 +185,14 @@ def _run(member: _Member) -> Array | str:
     return np.stack([np.interp(member.time, result.time, result.columns[name]) for name in member.columns])
 
 
-def _conditions(result: CosimResult, place: int) -> dict[str, float]:
-    """Give the conditions of a clamp's run: A (mm), f (Hz), T (K)."""
+def _conditions(result: CosimResult, place: int, file: LawFile, where: str) -> dict[str, float]:
+    """Give the conditions of a clamp's run: A (mm), f (Hz), T (K) and further ones that its law follows."""
     source = result.system.clamps[place]
     values = {
         "A": MM * float(np.ptp(result.columns[f"{source.at}.s"])) / 2,
         "f": float(result.columns[f"{source.at}.f_used"][-1]),
         "T": source.temperature_C + CELSIUS,
+        **further_conditions(file, source, where),
     }
     return {name: value for name, value in values.items() if isfinite(value)}
 

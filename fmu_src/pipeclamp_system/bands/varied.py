@@ -14,7 +14,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import CoefficientEntry, LawFile, Shares, structure_of
 from pipeclamp_models.law.local_form import LOGARITHMIC, Kriged
-from pipeclamp_models.law.range import conditions_beyond, conditions_inside
+from pipeclamp_models.law.range import as_in_range, conditions_beyond, conditions_inside
 
 OFF_BY = Declaration.model_validate(
     {
@@ -69,7 +69,7 @@ class VariedLaw:
     def lean(self, at: Mapping[str, float]) -> dict[str, float]:
         """Give the shares by which its tests near conditions (A mm, f Hz, T K and so on) lie beside it."""
         return dict.fromkeys(SHARE_OF_PARAMETER.values(), 0.0) | {
-            name: one.at(at)[0] for name, one in self._near.items()
+            name: one.at(as_in_range(self.file, at))[0] for name, one in self._near.items()
         }
 
     def form(self, beyond: Mapping[str, float], at: Mapping[str, float] | None = None) -> Shares:
@@ -80,7 +80,7 @@ class VariedLaw:
         steps, of A and f that of their logarithms.
 
         Args:
-            beyond: conditions that lie beyond the range, by name, in the range's units.
+            beyond: conditions that lie beyond the range, in its units, by its names or those of the law's equations.
             at: the law's conditions, held inside its range, likewise; None for any of them.
         """
         spread = self.file.spread
@@ -88,17 +88,19 @@ class VariedLaw:
             return Shares(stiffness=0.0, damping=0.0)
         inside = [spread.form.stiffness, spread.form.damping]
         if at is not None and self._near:
-            inside = [self._near[name].at(at)[1] for name in SHARE_OF_PARAMETER.values()]
+            here = as_in_range(self.file, at)
+            inside = [self._near[name].at(here)[1] for name in SHARE_OF_PARAMETER.values()]
         squares = np.array(inside) ** 2
-        for name, steps in self._steps_beyond(beyond).items():
+        for name, steps in self._steps_beyond(as_in_range(self.file, beyond)).items():
             error = spread.beyond[name].error
             squares += (steps * np.array([error.stiffness, error.damping])) ** 2
         stiffness, damping = np.sqrt(squares).tolist()
         return Shares(stiffness=stiffness, damping=damping)
 
     def form_at(self, conditions: Mapping[str, float]) -> Shares:
-        """Give the same at conditions, by name, in the range's units."""
-        return self.form(conditions_beyond(self.file, conditions), conditions_inside(self.file.range, conditions))
+        """Give the same at conditions, which may lie beyond the range."""
+        own = as_in_range(self.file, conditions)
+        return self.form(conditions_beyond(self.file, own), conditions_inside(self.file.range, own))
 
     def _steps_beyond(self, beyond: Mapping[str, float]) -> dict[str, float]:
         """Give how far conditions lie beyond the range, in steps between the tests' levels; below it less than 0."""
@@ -117,7 +119,7 @@ class VariedLaw:
         from it on, as the form's error grew from the range on.
 
         Args:
-            test: conditions of the test, by name, in the range's units.
+            test: conditions of the test, named and in units as of `form`.
             used: conditions where it is used, likewise.
 
         Returns:
@@ -126,8 +128,9 @@ class VariedLaw:
         spread = self.file.spread
         if spread is None:
             return dict.fromkeys(SHARE_OF_PARAMETER.values(), (0.0, 0.0))
-        inside = [conditions_inside(self.file.range, one) for one in (test, used)]
-        beyond = [conditions_beyond(self.file, one) for one in (test, used)]
+        both = [as_in_range(self.file, one) for one in (test, used)]
+        inside = [conditions_inside(self.file.range, one) for one in both]
+        beyond = [conditions_beyond(self.file, one) for one in both]
         there, here = self.form_at(test), self.form_at(used)
         reached, wanted = (self._steps_beyond(one) for one in beyond)
         found = {}

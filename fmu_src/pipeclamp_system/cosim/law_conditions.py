@@ -115,7 +115,7 @@ class Solving:
                 continue
             given = given_conditions(clamp, system)
             found = _held(motion_conditions(result, clamp.at), self.ranges[clamp.at])
-            changes += [abs(new / old - 1) for new, old in zip(found, given, strict=True)]
+            changes += [abs(new / old - 1) for new, old in zip(found, given, strict=True) if new > 0]
             clamps.append(_with_conditions(clamp, found, given, runs))
         return system.model_copy(update={"clamps": tuple(clamps)}), max(changes)
 

@@ -110,7 +110,7 @@ def _solved(
     for runs in range(1, solving.most_runs + 1):
         result = _once(ready, folder, where, progress)
         nearer, off = solving.nearer(ready, result, runs)
-        if off <= SOLVED:
+        if off <= SOLVED or runs == solving.most_runs:
             break
         ready = nearer
     return replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0), ready

@@ -13,10 +13,11 @@ from pipeclamp_system.cosim.building import Builders, finished
 from pipeclamp_system.cosim.parallel_step import ParallelStep, parallel_step
 from pipeclamp_system.cosim.variables import clamp_parameters, pipe_variables
 from pipeclamp_system.description.excitation import excitation_signal
-from pipeclamp_system.description.system import read_system
+from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.fmus.variables import find_variables, read_model_description, renamed, variables_of
 
 PIPE, EXCITATION = "pipe", "excitation"
+"""Names of the elements beside the clamps, unless a clamp has one of them."""
 FLANGE = ("flange.s", "flange.v", "flange.f")
 EXCITATION_UNITS = {"base": "m/s2", "force": "N"}
 
@@ -55,8 +56,11 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = sil
         values = [signal(min(index * run.even_step_s, run.stop_s)) for index in range(run.steps + 1)]
         excitation_fmu = Path(scratch) / "excitation.fmu"
         build.excitation(Samples(run.even_step_s, values, EXCITATION_UNITS[coupled.kind]), excitation_fmu)
-        connections: list[tuple[Port, Port]] = [((EXCITATION, "signal"), (PIPE, pipe[coupled.excitation].name))]
-        components = [Component(EXCITATION, excitation_fmu, {}), Component(PIPE, pipe_fmu, {})]
+        pipe_name, excitation_name = (_untaken(name, description) for name in (PIPE, EXCITATION))
+        connections: list[tuple[Port, Port]] = [
+            ((excitation_name, "signal"), (pipe_name, pipe[coupled.excitation].name))
+        ]
+        components = [Component(excitation_name, excitation_fmu, {}), Component(pipe_name, pipe_fmu, {})]
         for source in description.clamps:
             name, fmu = source.at, folder / str(source.fmu)
             clamp = renamed(variables_of(read_model_description(fmu)), source.variables, fmu)
@@ -67,10 +71,18 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = sil
             places = [f"{name}.{kind}" for kind in "svf"]
             pipe_s, pipe_v, pipe_f = (variable.name for variable in find_variables(pipe, places, pipe_fmu))
             connections += [
-                ((PIPE, pipe_s), (name, s)),
-                ((PIPE, pipe_v), (name, v)),
-                ((name, f), (PIPE, pipe_f)),
+                ((pipe_name, pipe_s), (name, s)),
+                ((pipe_name, pipe_v), (name, v)),
+                ((name, f), (pipe_name, pipe_f)),
             ]
         found = parallel_step(description, folder, str(path), tell)
         write_ssp(SystemStructure(description.name, components, connections, run.stop_s, found.step), output)
     return found
+
+
+def _untaken(name: str, description: SystemDescription) -> str:
+    """Give a name that no clamp has, in whatever case: files in an SSP are called after elements, and unpacked."""
+    taken = {clamp.at.casefold() for clamp in description.clamps}
+    while name in taken:
+        name += "_"
+    return name

@@ -109,7 +109,7 @@ def opened(fmus: Sequence[tuple[Path, str]]) -> Iterator[list[LoadedFmu]]:
     """Load FMUs, each given with its instance's name, and free them at the end.
 
     Raises:
-        UserError: one of them can't be loaded.
+        UserError: one of them can't be loaded, or fails in a call while they are open.
     """
     folder = unpacking_folder([path for path, _ in fmus])
     search_path = list(sys.path)
@@ -118,6 +118,12 @@ def opened(fmus: Sequence[tuple[Path, str]]) -> Iterator[list[LoadedFmu]]:
         for index, (path, instance) in enumerate(fmus):
             loaded.append(LoadedFmu(path, instance, folder / str(index)))
         yield loaded
+    except FMICallException as error:  # of others than start and step, which say more of themselves
+        names = ", ".join(str(fmu.path) for fmu in loaded)
+        said = "".join(fmu.said() for fmu in loaded)
+        raise UserError(
+            f"{names}: one of these FMUs failed ({error}){said}; expected FMUs that answer each call of FMI 2.0"
+        ) from error
     finally:
         for fmu in loaded:
             fmu.close()

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pipeclamp_models.base.said import counted
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.response.curves import Curve, FrequencyResponse, label, peaks_of, stretches
 from pipeclamp_system.response.dots import MOST_HALVINGS, Dot
@@ -102,11 +103,12 @@ def _about_ranges(response: FrequencyResponse) -> list[str]:
             continue
         parts = []
         for condition, interval in ranges.items():
-            values = [found[condition] for found in beyond if condition in found]
+            values = [one[condition] for one in beyond if condition in one]
             if values:
                 low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+                found = low if low == high else f"{low} to {high}"
                 parts.append(
-                    f"{condition} = {low if low == high else f'{low} to {high}'} {interval.unit} "
+                    f"{condition.removeprefix(CONDITION)} = {found} {interval.unit} "
                     f"(data: {interval.minimum:.4g} to {interval.maximum:.4g})"
                 )
         share = f"{len(beyond) / len(states):.0%} of the curves' points"

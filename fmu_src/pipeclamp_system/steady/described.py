@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.signals import OWN_SIGNALS, signal_in_range
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.equations.symbols import condition_symbol
 from pipeclamp_models.law.file import Interval, LawFile, law_of
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
@@ -107,9 +107,13 @@ def steady_clamp(
 
 
 def ranges_of(file: LawFile) -> dict[str, Interval]:
-    """Give what a law's data hold, by the names that its equations give the conditions."""
-    own = ("A", "f", "T", "rho", "N")
-    return {name if name in own else str(condition_symbol(name)): interval for name, interval in file.range.items()}
+    """Give what a law's data hold, by the names that its equations give the conditions.
+
+    Load cycles count from 0, as in the clamp's FMU: tests begin within the first one.
+    """
+    found = {signal_in_range(name): interval for name, interval in file.range.items()}
+    cycles = OWN_SIGNALS["first_cycle"]
+    return found | {cycles: found[cycles].model_copy(update={"minimum": 0.0})} if cycles in found else found
 
 
 def steady_clamps(

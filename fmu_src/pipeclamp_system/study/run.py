@@ -87,7 +87,7 @@ def run_study(
     content = io.BytesIO()
     frame.write_parquet(content)
     write_whole(output, content.getvalue())
-    journal.unlink()
+    journal.unlink(missing_ok=True)  # another process that does the same study may have ended first
     return frame
 
 
@@ -140,8 +140,8 @@ def _opened(journal: Path, study: Study, *, fresh: bool) -> Iterator[io.TextIOWr
         if fresh:
             journal.write_text(study.fingerprint + "\n", encoding="utf-8", newline="\n")
         else:
-            whole = journal.read_bytes()
-            journal.write_bytes(whole[: whole.rindex(b"\n") + 1])
+            # in its place: what is written anew is lost where a kill or a full disk comes between
+            os.truncate(journal, journal.read_bytes().rindex(b"\n") + 1)
         stream = journal.open("a", encoding="utf-8", newline="\n")
     except OSError as error:
         raise UserError(

@@ -21,6 +21,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, KrigedShare, LawFile, LocalForm, law_of
 from pipeclamp_models.law.local_form import Kriged
+from pipeclamp_models.law.range import as_in_range
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
@@ -212,8 +213,9 @@ def with_tests(file: LawFile, tests: Sequence[Mapping[str, float]]) -> LawFile:
 
     Args:
         file: the law.
-        tests: conditions of each, by name.
+        tests: conditions of each, by the names of the law's range or of its equations.
     """
+    tests = [as_in_range(file, one) for one in tests]
     wider = {
         name: Interval(
             minimum=min([interval.minimum, *(one[name] for one in tests if name in one)]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,10 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law, Structure
 
 SCHEMA: Final = "pipeclamp-law-1"
+COVARIANCE_ROUNDING: Final = 1e-6
+"""Share by which a covariance may pass what it can be: more than its digits leave."""
+RANGE_UNITS: Final = {"A": "mm", "f": "Hz", "T": "K"}
+"""Of the ends of a law's range."""
 OF_METRICS: Final = "metrics"
 """The method of a law that was fitted to metrics without records."""
 
@@ -79,7 +84,25 @@ class Covariance(LawFilePart):
         count = len(self.names)
         if len(self.matrix) != count or any(len(row) != count for row in self.matrix):
             raise ValueError(f"the matrix must be {count} x {count}, as there are {count} names")
+        for i, row in enumerate(self.matrix):
+            for j in range(i + 1):
+                self._refuse_pair(i, j, row[j])
         return self
+
+    def _refuse_pair(self, i: int, j: int, value: float) -> None:
+        """Refuse a value that no two parameters' covariance can have: variances aren't below 0, and bound it."""
+        largest = math.sqrt(max(self.matrix[i][i], 0.0)) * math.sqrt(max(self.matrix[j][j], 0.0))
+        if abs(value) > largest * (1 + COVARIANCE_ROUNDING):
+            raise ValueError(
+                f"the matrix has {value:g} for {self.names[i]} and {self.names[j]}; expected {largest:g} at most"
+                if i != j
+                else f"the matrix has {value:g} as the variance of {self.names[i]}; expected 0 or more"
+            )
+        if abs(value - self.matrix[j][i]) > largest * COVARIANCE_ROUNDING:
+            raise ValueError(
+                f"the matrix has {value:g} and {self.matrix[j][i]:g} for {self.names[i]} and {self.names[j]}; "
+                "expected the same on both sides of its diagonal"
+            )
 
 
 class Correlation(LawFilePart):
@@ -333,6 +356,10 @@ class LawFile(LawFilePart):
         missing = {"A", "f"} - set(self.range)
         if missing:
             raise ValueError(f"range lacks {', '.join(sorted(missing))}")
+        for name, unit in RANGE_UNITS.items():
+            stated = self.range[name].unit if name in self.range else ""
+            if stated not in ("", unit):
+                raise ValueError(f"range.{name}: unit {stated!r}; expected {unit!r}, and the ends in it")
         for name in ("A", "f"):  # coefficients are powers of them, and a clamp at rest is taken for the smallest
             interval = self.range[name]
             if not interval.minimum > 0:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.signals import signal_of
+from pipeclamp_models.base.signals import OWN_SIGNALS, signal_in_range
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, LawFile
 
@@ -44,8 +44,14 @@ def rounded(value: float) -> float:
     return float(f"{value:.{LAW_DIGITS}g}")
 
 
+def as_in_range(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+    """Give conditions by the names that a law's range has for them, which are columns; equations have signals."""
+    names = {signal_in_range(name): name for name in file.range}
+    return {names.get(name, name): value for name, value in conditions.items()}
+
+
 def conditions_beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
-    """Give those conditions that lie beyond a law's range, by name, in its units."""
+    """Give those conditions that lie beyond a law's range, by its names and in its units."""
     return {
         name: value
         for name, value in conditions.items()
@@ -54,7 +60,7 @@ def conditions_beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[st
 
 
 def conditions_inside(known: Mapping[str, Interval], conditions: Mapping[str, float]) -> dict[str, float]:
-    """Give conditions, by name, in the units of a law's range; those that it holds moved inside it."""
+    """Give conditions, by the names and in the units of a law's range; those that it holds moved inside it."""
     return {
         name: min(max(value, known[name].minimum), known[name].maximum) if name in known else value
         for name, value in conditions.items()
@@ -70,7 +76,7 @@ def beyond_tests(file: LawFile, given: Mapping[str, npt.ArrayLike]) -> tuple[str
     """
     found = []
     for name, values in given.items():
-        interval = file.range.get(name if name in ("A", "f", "T") else signal_of(name))
+        interval = file.range.get(OWN_SIGNALS.get(name, name))
         if interval is None or not np.size(values):
             continue
         zero, unit = (CELSIUS, " °C") if name == "T" else (0.0, f" {interval.unit}" if name in ("A", "f") else "")

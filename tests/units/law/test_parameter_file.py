@@ -115,3 +115,28 @@ def test_a_law_is_opened_by_name_or_by_path(tmp_path):
         open_law(str(tmp_path / "none.json"))
     with pytest.raises(UserError, match="is a folder; expected a law"):
         open_law(str(tmp_path))
+
+
+@pytest.mark.parametrize(("name", "unit"), [("A", "m"), ("f", "kHz"), ("T", "degC")])
+def test_a_range_in_another_unit_is_refused(name, unit):
+    content = json.loads(law_text(open_law("emwm2")))
+    content["range"][name]["unit"] = unit
+    with pytest.raises(UserError, match=f"range.{name}: unit '{unit}'; expected"):
+        parse_law(json.dumps(content), "law.json")
+
+
+@pytest.mark.parametrize(
+    ("matrix", "words"),
+    [
+        ([[-1.0, 0.0], [0.0, 1.0]], "-1 as the variance of k10; expected 0 or more"),
+        ([[4.0, 7.0], [7.0, 9.0]], "has 7 for c0 and k10; expected 6 at most"),
+        ([[4.0, 1.0], [-1.0, 9.0]], "-1 and 1 for c0 and k10; expected the same"),
+    ],
+)
+def test_a_matrix_that_is_no_covariance_is_refused(matrix, words):
+    content = json.loads(law_text(open_law("emwm2")))
+    content["covariance"] = {"names": ["k10", "c0"], "matrix": matrix}
+    with pytest.raises(UserError, match=words):
+        parse_law(json.dumps(content), "law.json")
+    content["covariance"]["matrix"] = [[4.0, 6.0], [6.0, 9.0]]
+    assert parse_law(json.dumps(content), "law.json").covariance is not None

@@ -19,6 +19,7 @@ import numpy as np
 import polars as pl
 import pytest
 from cantilever import cantilever
+from fmpy.fmi1 import FMICallException
 from stick_slip import Modal, Rubbing, integrate
 
 from pipeclamp.pages.system.cosim import cosim_sections
@@ -38,6 +39,7 @@ from pipeclamp_system.cosim.run import run_described, run_system
 from pipeclamp_system.cosim.summary import summary_of
 from pipeclamp_system.description.excitation import excitation_signal
 from pipeclamp_system.description.system import read_system
+from pipeclamp_system.fmus.participant import FmuParticipant
 from pipeclamp_system.transient.monolithic import MonolithicResult, clamp_equations, solve_monolithic
 
 SSD = f"{{{NAMESPACES['ssd']}}}"
@@ -401,6 +403,15 @@ def test_foreign_fmus_stand_in_for_both_sides(bench: Path, scheme: str) -> None:
     assert np.isnan(foreign.columns["clamp1.A_used"]).all()
     assert np.isfinite(foreign.coupling_share)
     assert "clamp1: amplitude" in summary_of(foreign)
+
+
+def test_a_foreign_fmu_that_fails_beside_its_steps_is_told(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(participant: FmuParticipant) -> list[float]:
+        raise FMICallException("fmi2GetReal", 3)
+
+    monkeypatch.setattr(FmuParticipant, "outputs", failing)
+    with pytest.raises(UserError, match=r"smooth\.fmu: one of these FMUs failed \(fmi2GetReal failed with status 3"):
+        run_system(write_system(bench))
 
 
 def test_an_ssp_of_foreign_fmus_speaks_their_names(bench: Path, tmp_path: Path) -> None:

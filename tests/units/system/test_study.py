@@ -277,6 +277,36 @@ def test_a_dask_cluster_takes_the_same_study(write, tmp_path: Path) -> None:
     assert there.drop("seconds").equals(here.drop("seconds"))
 
 
+@pytest.mark.skipif(os.name != "posix", reason="limits a file's size")
+def test_what_a_full_disk_stops_loses_no_finished_case(write, tmp_path: Path) -> None:
+    study, output = read_study(write()), tmp_path / "study.parquet"
+    kept = f"{study.fingerprint}\n" + "".join(f'{{"case": {number}}}\n' for number in range(1000))
+    journal_of(output).write_text(kept + '{"case": 1000', encoding="utf-8")
+    words = f"""
+import resource, signal
+from pathlib import Path
+from types import SimpleNamespace
+from pipeclamp_system.study.run import _opened
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+with _opened(Path({str(journal_of(output))!r}), SimpleNamespace(fingerprint={study.fingerprint!r}), fresh=False):
+    pass
+"""
+    subprocess.run([sys.executable, "-c", words], check=False)
+    assert journal_of(output).read_text(encoding="utf-8") == kept
+
+
+def test_another_process_may_have_ended_the_same_study_first(write, tmp_path: Path) -> None:
+    study, output = read_study(write('"system.excitation.acceleration_m_s2" = [0.2]')), tmp_path / "study.parquet"
+
+    def ended_elsewhere(done: int, count: int) -> None:
+        if done == count:
+            journal_of(output).unlink()
+
+    assert run_study(study, output, jobs=1, progress=ended_elsewhere).height == 1
+    assert output.exists()
+
+
 @pytest.mark.parametrize("content", [b"\xff\xfe", b"{bad\n", b"[]\n", b"{}\n"])
 def test_a_damaged_journal_is_refused(write, tmp_path: Path, content) -> None:
     study, output = read_study(write()), tmp_path / "study.parquet"

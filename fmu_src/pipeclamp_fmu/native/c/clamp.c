@@ -202,12 +202,13 @@ static void model_reset(Model *model, const Values *values)
     memory->inside = model->flag[IN_RANGE] = 1;
 }
 
-static int model_start(Model *model, const Values *values, char reason[TEXT])
+static int model_start(Model *model, const Values *values, double time, char reason[TEXT])
 {
     Memory *memory = &model->memory;
     Conditions conditions = {{0}, 0, {0}};
     Place place;
     double k[ROOM(LAW_HELD)] = {0};
+    (void)time;
     if (!take_settings(model, conditions.u, reason))
         return 0;
     conditions.tracking = model->flag[TRACK];

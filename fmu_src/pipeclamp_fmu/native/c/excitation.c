@@ -27,11 +27,11 @@ static void model_reset(Model *model, const Values *values)
     memset(model, 0, sizeof *model);
 }
 
-static int model_start(Model *model, const Values *values, char reason[TEXT])
+static int model_start(Model *model, const Values *values, double time, char reason[TEXT])
 {
     (void)values;
     (void)reason;
-    model->real[FIRST_OUTPUT] = interpolated(0.0);
+    model->real[FIRST_OUTPUT] = interpolated(time);
     return 1;
 }
 

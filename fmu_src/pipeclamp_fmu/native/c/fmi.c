@@ -16,12 +16,22 @@ enum {
     if (!instance_may(instance, (modes), __func__))                                                                    \
     return (Answer)STATUS_ERROR
 
+/* Give the statuses of categories that are named, as bits; all where none is. */
+static int statuses_of(size_t count, const char *const names[])
+{
+    int statuses = count > 0 && names ? 0 : ALL_STATUSES, status;
+    size_t i;
+    for (i = 0; names && i < count; i++)
+        for (status = STATUS_OK; status <= STATUS_FATAL; status++)
+            if (names[i] && strcmp(names[i], LOG_CATEGORIES[status]) == 0)
+                statuses |= status == STATUS_OK ? ALL_STATUSES : 1 << status;
+    return statuses;
+}
+
 FMU_API(Answer, FMI(SetDebugLogging))(Handle handle, Boolean on, size_t count, const char *const names[])
 {
     REQUIRE(ANY_MODE);
-    (void)count;
-    (void)names;
-    instance->logging = on;
+    instance->logging = on ? statuses_of(count, names) : 0;
     return (Answer)STATUS_OK;
 }
 

@@ -49,31 +49,43 @@ static int hexadecimal(char digit)
                                           : -1;
 }
 
-/* Give the path of a file URI, to be freed; what is no URI is taken for a path. */
+/* Write what a URI says behind its scheme. */
+static void decode(char *text, const char *uri)
+{
+    for (; *uri; uri++) {
+        if (uri[0] == '%' && hexadecimal(uri[1]) >= 0 && hexadecimal(uri[2]) >= 0) {
+            *text++ = (char)(16 * hexadecimal(uri[1]) + hexadecimal(uri[2]));
+            uri += 2;
+        } else {
+            *text++ = *uri;
+        }
+    }
+    *text = '\0';
+}
+
+static int begins_with_drive(const char *path)
+{
+    return path[0] && path[1] == ':';
+}
+
+/* Give the path of a file URI, to be freed; what is no URI is taken for a path. A host other than this one stays before
+ * the path: //host/folder is what Windows calls it. */
 static char *path_of(const char *uri)
 {
-    char *path, *end;
+    char *path, *begin;
     if (!uri || !(path = malloc(strlen(uri) + 1)))
         return NULL;
     if (strncmp(uri, "file:", 5) != 0)
         return strcpy(path, uri);
-    uri += 5;
-    if (strncmp(uri, "//", 2) == 0) {
-        uri += 2;
-        if (strncmp(uri, "localhost/", 10) == 0)
-            uri += 9;
-    }
-    if (uri[0] == '/' && uri[1] && uri[2] == ':') /* /C:/folder */
-        uri++;
-    for (end = path; *uri; uri++) {
-        if (uri[0] == '%' && hexadecimal(uri[1]) >= 0 && hexadecimal(uri[2]) >= 0) {
-            *end++ = (char)(16 * hexadecimal(uri[1]) + hexadecimal(uri[2]));
-            uri += 2;
-        } else {
-            *end++ = *uri;
-        }
-    }
-    *end = '\0';
+    decode(path, uri + 5); /* before it is looked at: a drive's colon may be %3A */
+    begin = path;
+    if (strncmp(begin, "//localhost/", 12) == 0)
+        begin += 11;
+    else if (strncmp(begin, "//", 2) == 0 && (begin[2] == '/' || begins_with_drive(begin + 2)))
+        begin += 2;
+    if (begin[0] == '/' && begins_with_drive(begin + 1)) /* /C:/folder */
+        begin++;
+    memmove(path, begin, strlen(begin) + 1);
     return path;
 }
 
@@ -90,7 +102,7 @@ FMU_API(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2Stri
             hand_over(functions->logger, functions->componentEnvironment, name, STATUS_ERROR, reason);
         return NULL;
     }
-    instance->logging = logging;
+    instance->logging = logging ? ALL_STATUSES : 0;
     instance->tell = tell;
     if (functions) {
         instance->logger = (void (*)(void))functions->logger;

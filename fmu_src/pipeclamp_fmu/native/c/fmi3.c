@@ -27,7 +27,7 @@ static fmi3Instance instantiated(fmi3String name, fmi3String token, fmi3String f
             logger(environment, fmi3Error, LOG_CATEGORIES[STATUS_ERROR], reason);
         return NULL;
     }
-    instance->logging = logging;
+    instance->logging = logging ? ALL_STATUSES : 0;
     instance->tell = tell;
     instance->logger = (void (*)(void))logger;
     instance->environment = environment;

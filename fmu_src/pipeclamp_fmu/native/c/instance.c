@@ -62,7 +62,7 @@ RARE static void instance_say(const Instance *instance, Status status, const cha
 {
     char text[TEXT + 128];
     va_list arguments;
-    if (!instance->logging)
+    if (!(instance->logging >> status & 1))
         return;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
@@ -135,14 +135,14 @@ RARE static Status discarded(const Instance *instance, double time, double h, co
 {
     char step[32];
     snprintf(step, sizeof step, isnan(h) ? "nan" : "%g", h);
-    instance_say(instance, STATUS_ERROR, "step from %g s by %s s discarded: %s", time, step, reason);
+    instance_say(instance, STATUS_DISCARD, "step from %g s by %s s discarded: %s", time, step, reason);
     return STATUS_DISCARD;
 }
 
 static Status started(Instance *instance)
 {
     char reason[TEXT];
-    if (model_start(&instance->done, &instance->values, reason))
+    if (model_start(&instance->done, &instance->values, instance->time, reason))
         return STATUS_OK;
     instance_say(instance, STATUS_ERROR, "start values: %s", reason);
     return STATUS_WARNING;

@@ -22,6 +22,8 @@ typedef enum {
 static const char *const LOG_CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
                                              "logStatusFatal"};
 
+enum { ALL_STATUSES = (2 << STATUS_FATAL) - 1 };
+
 typedef struct Instance Instance;
 
 struct Instance {
@@ -33,7 +35,7 @@ struct Instance {
     int co_simulation;
     int warned; /* what was warned of; not part of a saved state: what was said stays said */
     int refused; /* the last step was discarded: at that, the run should end */
-    int logging;
+    int logging; /* the statuses that the importer wants to be told of, as bits */
     Values values;
     Scratch scratch;
     char *name;

@@ -45,7 +45,7 @@ typedef struct {
  * in `scratch` is no part of its state: it only saves work. */
 
 static void model_reset(Model *model, const Values *values);
-static int model_start(Model *model, const Values *values, char reason[TEXT]);
+static int model_start(Model *model, const Values *values, double time, char reason[TEXT]);
 static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT]);
 
 /* Model exchange: bring the model to the present time and inputs, `h` after the last completed step. */

@@ -294,9 +294,10 @@ static void take_loads(Model *model)
     show(model);
 }
 
-static int model_start(Model *model, const Values *values, char reason[TEXT])
+static int model_start(Model *model, const Values *values, double time, char reason[TEXT])
 {
     (void)values;
+    (void)time;
     (void)reason;
     take_loads(model);
     return 1;

@@ -35,11 +35,21 @@ static FILE *opened(const char *folder)
 #endif
 }
 
-/* Give what follows the expected name on the next line, or say that it isn't there. */
+static void skip_line(FILE *file)
+{
+    int character;
+    do
+        character = fgetc(file);
+    while (character != '\n' && character != EOF);
+}
+
+/* Give what follows the expected name on the next line, cut off where that is long, or say that it isn't there. */
 static char *after_name(FILE *file, const char *name, char line[LINE], char reason[TEXT])
 {
     const size_t length = strlen(name);
     if (fgets(line, LINE, file) && strncmp(line, name, length) == 0 && line[length] == ' ') {
+        if (!strchr(line, '\n'))
+            skip_line(file);
         line[strcspn(line, "\r\n")] = '\0';
         return line + length + 1;
     }
@@ -63,6 +73,16 @@ static int number(FILE *file, const char *name, double *value, char reason[TEXT]
     return 1;
 }
 
+/* Give how many bytes of a text (UTF-8) fit into a room without parting a character. */
+static int whole_characters(const char *text, size_t room)
+{
+    size_t length = strlen(text);
+    if (length > room)
+        for (length = room; length > 0 && (text[length] & 0xC0) == 0x80;)
+            length--;
+    return (int)length;
+}
+
 static int read_all(FILE *file, Values *values, const char *token, char reason[TEXT])
 {
     char line[LINE];
@@ -76,7 +96,7 @@ static int read_all(FILE *file, Values *values, const char *token, char reason[T
     }
     if (!(text = after_name(file, "name", line, reason)))
         return 0;
-    snprintf(values->name, sizeof values->name, "%.*s", (int)sizeof values->name - 1, text);
+    snprintf(values->name, sizeof values->name, "%.*s", whole_characters(text, sizeof values->name - 1), text);
     for (i = 0; i < INPUTS + PARAMETERS; i++)
         if (!number(file, REAL_NAMES[i], &values->start[i], reason))
             return 0;
