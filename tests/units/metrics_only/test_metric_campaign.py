@@ -10,7 +10,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.metrics_only.campaign import metric_observations
 from pipeclamp_identification.metrics_only.verdict import _tested_once
-from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files
+from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files, write_metrics
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UserError
@@ -182,3 +182,19 @@ def test_written_metrics_are_read_back(run_of, campaign_of, harmonic_record, tmp
     for name in ("amplitude_mm", "frequency_Hz", "dissipated_energy_J", "max_elastic_energy_J"):
         assert getattr(other, name) == getattr(one, name)
     assert one.dissipated_energy_J == pytest.approx(math.pi * 0.8 * 400.0 / 1e3, rel=1e-5)
+
+
+def test_loops_that_make_energy_are_left_out_of_what_is_written(harmonic_record, run_of, campaign_of, tmp_path):
+    """They had been written, and the campaign couldn't be read."""
+    loss = (0.0, 2000.0 + 400.0j), (0.0, 2000.0 - 40.0j)
+    runs = [run_of(harmonic_record(force=one), name) for one, name in zip(loss, ("A", "B"), strict=True)]
+    tests = campaign_of(*runs)
+    metrics = as_metrics(tests, loops_of(tests))
+    (left_out,) = write_metrics(tmp_path / "metrics", metrics)
+    assert str(left_out).startswith("run 'B' is left out: its loop makes energy: dW is -0.1")
+    read = read_tests(tmp_path / "metrics").campaign
+    assert ([run.name for run in read.runs], read.notes) == (["A"], "Left out, for their loops make energy: B.")
+    none = campaign_of(runs[1])
+    with pytest.raises(UserError, match="all its loops make energy"):
+        write_metrics(tmp_path / "none", as_metrics(none, loops_of(none)))
+    assert not (tmp_path / "none").exists()
