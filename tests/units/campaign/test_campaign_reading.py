@@ -9,6 +9,7 @@ import itertools
 import math
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -219,6 +220,16 @@ def test_a_missing_file_is_an_error_that_names_it(campaign_folder, missing):
     (folder / missing).unlink()
     with pytest.raises(UserError, match=missing):
         read_campaign(folder)
+
+
+def test_the_folder_that_one_is_in_may_be_no_campaign(tmp_path, monkeypatch):
+    (tmp_path / "exports").mkdir()
+    (tmp_path / "exports" / "a.csv").write_text("", encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "exports")
+    with pytest.raises(UserError) as failure:
+        read_campaign(Path())
+    assert "no campaign.toml" in str(failure.value)
+    assert str(failure.value).endswith(f"pipeclamp import . -o {Path('../exports_campaign')}")
 
 
 def test_a_missing_folder_is_an_error_that_names_it(tmp_path):
