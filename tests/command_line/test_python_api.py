@@ -103,6 +103,27 @@ def without_two_runs(campaign, folder):
     return earlier
 
 
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"freeze": {"k10": "stiff"}}, r"freeze\['k10'\]: got 'stiff'; expected a finite number"),
+        ({"freeze": {"k10": float("nan")}}, "expected a finite number"),
+        ({"freeze": ["k10"]}, "expected numbers by name, such as"),
+        ({"freeze": {"c0": -1.0}}, "freeze: got c0=-1; expected at least 0"),
+        ({"method": "both"}, "method: got 'both'; expected joint or surfaces"),
+    ],
+)
+def test_what_a_fit_is_told_is_checked(tests, given, told):
+    with pytest.raises(pc.UserError, match=told):
+        pc.identify(tests, **given)
+
+
+def test_no_campaign_is_written_in_a_format_that_isnt_read(law, tmp_path):
+    with pytest.raises(pc.UserError, match=r"format: got .xls.; expected csv, csv\.gz, parquet"):
+        pc.rig(law, tmp_path / "c", amplitudes=[0.5], frequencies=[3], temperatures=[20], format="xls")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_refit_is_the_law_of_all_tests(pipeclamp, small, tests, law, tmp_path):
     """A law of some runs, fitted anew to all, is the law of all; what is held stays held, and its history goes on."""
     some = pc.identify(without_two_runs(small, tmp_path), freeze={"alpha_A": 0.25})

@@ -85,3 +85,21 @@ def test_a_parameter_that_hardly_moves_the_force_has_a_standard_error_that_is_a_
             jacobian / np.linalg.norm(jacobian, axis=0), norms, np.ones((8, VALUES)), 8 * VALUES, np.zeros(PARAMETERS)
         )
     assert np.all(np.isfinite(covariance))
+
+
+def test_stretches_of_one_run_tell_no_more_of_it_than_the_run():
+    """A law that ages is fitted to stretches of records: three of one run had counted as three runs."""
+    jacobian, drawn = jacobian_of(12), np.random.default_rng(4)
+    force = drawn.normal(size=(12, VALUES)) + 0.05 * drawn.normal(size=(12, 4)) @ SHAPES.T
+    flat = jacobian.reshape(-1, PARAMETERS)
+    norms = np.linalg.norm(flat, axis=0)
+    estimate, whole = fitted(jacobian, force)
+    residual = force - jacobian @ estimate
+    order = drawn.permutation(36)
+    runs = np.repeat(np.arange(12), 3)[order]
+    parted = [np.repeat(one, 3, axis=0)[order] / np.sqrt(3) for one in (jacobian, residual)]
+    scaled = parted[0].reshape(-1, PARAMETERS) / norms
+    covariance = covariance_of(scaled, norms, parted[1], force.size, np.zeros(PARAMETERS), runs)
+    assert covariance == pytest.approx(whole, rel=1e-8)
+    apart = covariance_of(scaled, norms, parted[1], force.size, np.zeros(PARAMETERS))
+    assert np.all(np.diag(apart)[:4] < 0.5 * np.diag(whole)[:4])

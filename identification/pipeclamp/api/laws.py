@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pipeclamp.api.diagnosis import Diagnosis
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, path_of, several
+from pipeclamp.api.shown import PathOrName, called_from_python, numbers_by_name, path_of, several
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.change import add_effects, remove_effect
@@ -21,6 +21,7 @@ from pipeclamp_models.law.file import NamedKind, Provenance
 from pipeclamp_models.law.law import Structure
 
 
+@called_from_python()
 @one_thread()
 def identify(
     tests: Tests | PathOrName,
@@ -59,7 +60,8 @@ def identify(
     tests = tested(tests)
     effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
-    structure = Structure(base, tuple(names), tuple(sorted((freeze or {}).items()))).with_declared(declarations)
+    held = tuple(sorted(numbers_by_name(freeze, "freeze", '{"alpha0": 0.4}').items()))
+    structure = Structure(base, tuple(names), held).with_declared(declarations)
     found = tests.tests.identify(structure, method=method, progress=progress)
     called = f"{_read(tests)}, effects={[fspath(effect) for effect in effects]!r}, base={base!r}"
     return Law(found.file(name=name or tests.name, provenance=Provenance(f"pc.identify({called})")))

@@ -72,16 +72,16 @@ class Tests(Shown):
     def save_metrics(self, folder: PathOrName) -> Path:
         """Write the loops' dW and W as a campaign without records, a new folder, as `pipeclamp metrics -o` does.
 
-        Laws can be identified from it: `identify(tests.save_metrics("metrics"))`.
+        Laws can be identified from it: `identify(tests.save_metrics("metrics"))`. Runs whose loops make energy are left
+        out, and its notes name them.
 
         Raises:
-            UserError: the folder exists, or its parent can't be written.
+            UserError: no run is left, the folder exists, or its parent can't be written.
         """
-        from pipeclamp_identification.metrics_only.writing import metric_files
-        from pipeclamp_models.base.files import write_folder
+        from pipeclamp_identification.metrics_only.writing import write_metrics
 
         target = Path(path_of(folder, "a folder"))
-        write_folder(target, metric_files(self.tests.metrics()))
+        write_metrics(target, self.tests.metrics())
         return target
 
     @one_thread()

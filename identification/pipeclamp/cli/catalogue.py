@@ -51,7 +51,8 @@ def schema(
     name: Annotated[
         str,
         typer.Argument(
-            metavar="[law|metrics|comparison|laws-comparison|system-comparison|diagnosis|discovery|import|effects]",
+            metavar="[law|metrics|comparison|laws-comparison|system-comparison|diagnosis|discovery|import|effects|"
+            "band-plan|campaign-plan]",
             help="Of what is written.",
         ),
     ] = "law",

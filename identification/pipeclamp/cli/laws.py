@@ -33,6 +33,7 @@ from pipeclamp.cli.terminal import (
     showing_progress,
     spare,
     values_in,
+    warn,
 )
 from pipeclamp.now import now
 from pipeclamp_models.base.errors import UsageError
@@ -85,9 +86,8 @@ def metrics(
 ) -> None:
     """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
     from pipeclamp.show.views import metrics_view
-    from pipeclamp_identification.metrics_only.writing import metric_files
+    from pipeclamp_identification.metrics_only.writing import write_metrics
     from pipeclamp_identification.workflow.next_command import after_import
-    from pipeclamp_models.base.files import write_folder
 
     spare(campaign, outputs=(json, report))
     with showing_progress("metrics") as tell:
@@ -95,7 +95,8 @@ def metrics(
         view = metrics_view(tests)
     following = after_import(str(campaign))
     if output:
-        write_folder(output, metric_files(tests.metrics()))
+        for entry in write_metrics(output, tests.metrics()):
+            warn(f"{output}: {entry}")
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import metrics_page

@@ -176,7 +176,10 @@ class Pages:
         law = _candidate(opened, name, str(candidate)) if candidate else law_of(opened.project.law(name))
         label = f"{commands.effects_said(str(candidate or name))}, moved"
         shown = run_picture(opened.bench.run(_text(asked, "run")), {label: changed(law, values)})
-        return JSONResponse({"force": shown["laws"][0], "by_law": shown["by_law"][0]})
+        try:
+            return JSONResponse({"force": shown["laws"][0], "by_law": shown["by_law"][0]})
+        except ValueError as error:  # JSON holds no infinite numbers
+            raise UserError("values: the law gives forces beyond all reason there") from error
 
     async def start(self, request: Request) -> Response:
         """Start a job."""

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictBool, S
 
 from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, stated_conversion
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import set_aside
+from pipeclamp_models.base.files import beside, set_aside
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.base.toml_file import Number, TomlTable, read_table, unknown
 
@@ -203,7 +203,7 @@ def read_description(folder: Path) -> CampaignDescription:
             )
         raise UserError(f"{folder}: {found}; expected a campaign's folder with {FILE_NAME} and runs.csv")
     if not (folder / FILE_NAME).exists() and any(folder.iterdir()):
-        made = folder.with_name(f"{folder.resolve().name}_campaign")
+        made = beside(folder, f"{folder.resolve().name}_campaign")
         raise UserError(
             f"{folder}: no {FILE_NAME} in it; expected a campaign's folder. Of a test machine's files this makes one:\n"
             f"  {shell_line('import', str(folder), '-o', str(made))}"

@@ -87,9 +87,17 @@ def free_motion(record: Record) -> SmoothMotion:
 def _check_clipping(record: Record) -> None:
     """Refuse a record in which a sensor stands at an extreme that it entered at speed, while the other one went on.
 
+    A force that never moves is no force at all.
+
     Raises:
         SensorFailure: with the channel, the value and the length of the plateau.
     """
+    if np.ptp(record.force_N) == 0.0:
+        value = float(record.force_N[0])
+        raise SensorFailure(
+            f"stuck sensor: force_N stands at {value:g} all through the record", "force", "stuck", value,
+            CHANNEL_UNITS["force"],
+        )  # fmt: skip
     channels = {"displacement_mm": record.displacement_mm, "force_N": record.force_N}
     for name, other in (("displacement_mm", record.force_N), ("force_N", record.displacement_mm)):
         samples = channels[name]

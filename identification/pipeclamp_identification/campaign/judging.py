@@ -140,7 +140,9 @@ def _stated(row: RunRow, seen: SeenSine) -> ShownRun:
 
 def _observed(row: RunRow, seen: SeenSine) -> Observed:
     """Give a run as its sensors show it."""
-    return Observed(name=row.run, nominal_mm=row.amplitude_mm, setup=row.setup, seen=seen)
+    return Observed(
+        name=row.run, nominal_mm=row.amplitude_mm, setup=row.setup.measured_at(seen.temperature_C), seen=seen
+    )
 
 
 def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, NominalSettings], tuple[str, ...]]:

@@ -172,9 +172,11 @@ def _looked_at(job: tuple[RunRow, Record], time_measured: bool) -> tuple[Run | F
 def _judged(run: Run, judged: JudgedRuns) -> Run:
     """Give a run with its record as the sensors leave it, and what was stated where the record doesn't contradict."""
     amplitude, frequency = judged.settings[run.name]
+    seen = judged.sines[run.name]
     return replace(
         run,
-        record=judged.sensors.repaired(run.name, run.record, judged.sines[run.name]),
+        setup=run.setup.measured_at(seen.temperature_C),
+        record=judged.sensors.repaired(run.name, run.record, seen),
         mean_known=run.name not in judged.sensors.of_unknown_mean,
         amplitude_mm=amplitude,
         frequency_Hz=frequency,

@@ -42,7 +42,7 @@ PARQUET = b"PAR1"
 """What such a file begins and ends with."""
 ROWS_PER_BYTE, FEW_ROWS = 1000, 100_000
 """Rows that a byte of a Parquet file may hold, as columns of one value compress; and those of any file."""
-LARGEST_VALUE = 1e12
+LARGEST_VALUE = 1e13
 """No test lasts longer (s), moves further (mm) or pushes harder (N); a time may count milliseconds from 1970."""
 
 

@@ -8,7 +8,7 @@ import io
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
@@ -23,6 +23,8 @@ FILE_NAME = "runs.csv"
 MOST_COLUMNS = 500
 """More conditions and labels than anybody has of a test."""
 RECORD_ENDINGS = (".csv", ".csv.gz", ".parquet")
+MEASURED_DIGITS = 3
+"""Decimals of a mean temperature, degC."""
 
 
 TEXT_COLUMNS = ("run", "file", "specimen", "motion")
@@ -76,7 +78,7 @@ class Setup:
 
     Attributes:
         specimen: its label; None where it has none.
-        temperature_C: of the specimen; None where it isn't known.
+        temperature_C: of the specimen, as stated, or else as its record measured it; None where it isn't known.
         density_g_cm3: of its wire mesh; None where it isn't known.
         first_cycle: load cycles that it had seen before.
         conditions: further numbers, by column of runs.csv; nan where one isn't known.
@@ -99,6 +101,12 @@ class Setup:
     def density(self) -> float:
         """Density in g/cm³, nan where it isn't known."""
         return math.nan if self.density_g_cm3 is None else self.density_g_cm3
+
+    def measured_at(self, temperature_C: float) -> Setup:
+        """Give the same with a temperature that the record measured, degC, where none is stated; nan: none either."""
+        if self.temperature_C is not None or math.isnan(temperature_C):
+            return self
+        return replace(self, temperature_C=round(temperature_C, MEASURED_DIGITS))
 
     @property
     def texts(self) -> dict[str, str]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -66,7 +66,13 @@ def campaign_files(
 
 
 def encoded(table: pl.DataFrame, format: Format) -> bytes:
-    """Give the bytes of a table's file."""
+    """Give the bytes of a table's file.
+
+    Raises:
+        UserError: no record is read in such a format.
+    """
+    if format not in get_args(Format):
+        raise UserError(f"--format: got {format!r}; expected {', '.join(get_args(Format))}")
     stream = BytesIO()
     if format == "parquet":
         # zstd makes files a third smaller, and takes three times as long to write and twice to read

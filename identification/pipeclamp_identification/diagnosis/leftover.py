@@ -49,6 +49,8 @@ HALVES = np.array([0.5, 1.5, 2.5])
 FEWEST_CYCLES_BESIDE_HALVES = 4
 """Cycles from which on there are multiples of the record's length beside the halves."""
 FEWEST_RUNS_WITH_LINES = 4
+MOST_CYCLES, MOST_SAMPLES = 100, 100_000
+"""Of a record, in which halves and lines are looked for: an hour's record would take more memory than there is."""
 
 
 @dataclass(frozen=True)
@@ -241,9 +243,9 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
     """
     level = np.full((len(misfits), len(candidates)), np.nan)
     for row, (run, misfit) in enumerate(zip(campaign.runs, misfits, strict=True)):
-        time = run.record.time_s[run.cycles.steady]
+        time = run.record.time_s[run.cycles.steady][:MOST_SAMPLES]
         length = time[-1] - time[0]
-        error = misfit.measured - misfit.computed
+        error = (misfit.measured - misfit.computed)[:MOST_SAMPLES]
         spectrum = hann_spectrum(error) ** 2
         width = 1.0 / (length * (1 + 1 / (len(error) - 1)))
         drive = run.cycles.frequency_Hz
@@ -295,7 +297,8 @@ def _largest_near(mean: Array, index: int) -> float:
 
 def time_locked_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
     """Find lines at one absolute frequency, Hz, in all runs together: mains hum, say."""
-    longest = max(float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
+    parts = (run.record.time_s[:MOST_SAMPLES] for run in campaign.runs)
+    longest = max(float(part[-1] - part[0]) for part in parts)
     rate = min(len(run.record.time_s) / float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
     slowest = min(run.cycles.frequency_Hz for run in campaign.runs)
     candidates = np.arange(2.5 * slowest, 0.45 * rate, 0.5 / longest)
@@ -312,7 +315,7 @@ def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tupl
     """
     chances = np.zeros((0, len(HALVES)))
     for run, misfit in zip(campaign.runs, misfits, strict=True):
-        count = run.cycles.count - run.cycles.count % 2
+        count = min(run.cycles.count, MOST_CYCLES) // 2 * 2
         if count < FEWEST_CYCLES_BESIDE_HALVES:
             continue
         samples = int(run.cycles.bounds[count] - run.cycles.bounds[0])

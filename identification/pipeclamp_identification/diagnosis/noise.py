@@ -284,5 +284,5 @@ class WhitenedObservations(WeightedLoops):
         return slopes if self.poolings is None else self.poolings.beside(law_force).without(slopes)
 
     def compared(self, law_force: LawForce) -> int:
-        """Give how many of the residuals are evidence; what wasn't measured counts with next to no weight."""
-        return int(np.prod(self.whitener.shape[:2]) - np.count_nonzero(law_force.adrift))
+        """Give how many of the residuals are evidence."""
+        return self.loops.compared(law_force)

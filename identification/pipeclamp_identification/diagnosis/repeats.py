@@ -12,7 +12,7 @@ from scipy.special import chdtri
 from pipeclamp_identification.diagnosis.noise import MOST_SCATTER, NoiseModel
 from pipeclamp_identification.diagnosis.thresholds import REAL_LACK_CHANCE
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
+from pipeclamp_identification.signals.levels import SAME_KELVIN, group_names, set_points
 from pipeclamp_models.base.arrays import Array, IntArray
 
 MOST_OF_MISFIT = 0.5
@@ -124,7 +124,7 @@ def _repeats(loops: Loops) -> list[IntArray]:
     """Give the first rows of runs at the same stated conditions, several runs a group."""
     first = np.unique(loops.run, return_index=True)[1]
     keys = [np.unique([name or "" for name in loops.specimen], return_inverse=True)[1][first]]
-    keys += [*(places for _, places in stated_conditions(loops, first)), _same(loops.cycle[first])]
+    keys += [*(places for _, places in stated_conditions(loops, first)), set_points(loops.cycle[first])]
     groups = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     members = (first[groups == number] for number in range(groups.max() + 1))
     return [group for group in members if len(group) > 1]
@@ -144,14 +144,4 @@ def stated_conditions(loops: Loops, rows: IntArray) -> list[tuple[Array, IntArra
     fixed = (loops.amplitude_mm, loops.frequency_Hz, loops.density_g_cm3)
     values = [each[rows] for each in (*fixed, *loops.conditions.values())]
     temperatures = loops.temperature_K[rows]
-    return [(temperatures, _same(temperatures, SAME_KELVIN)), *((each, _same(each)) for each in values)]
-
-
-def _same(values: Array, absolute: float = np.inf) -> IntArray:
-    """Number the set points that values scatter about; a value that belongs to none is alone."""
-    numbers = np.arange(len(values), dtype=np.intp)
-    for level in number_levels(values, relative=SAME_SHARE, absolute=absolute):
-        reach = np.ptp(values[level.rows]) if level.known else 0.0
-        if reach <= min(absolute, SAME_SHARE * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf):
-            numbers[level.rows] = level.rows[0]
-    return numbers
+    return [(temperatures, set_points(temperatures, SAME_KELVIN)), *((each, set_points(each)) for each in values)]

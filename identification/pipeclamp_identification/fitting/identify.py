@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -105,18 +106,28 @@ def identify(
 
         progress("orders of the series")
         structure = replace(choose_series(loops, observations, replace(structure, frozen=())), frozen=structure.frozen)
-    refuse_unknown(structure)
+    refuse_held(structure)
     result = fit_structure(structure, loops, observations, method=method, progress=progress)
     progress("error on every sample")
     return Identification(result, loops, observations, misfits(result.law, campaign, loops), method)
 
 
-def refuse_unknown(structure: Structure) -> None:
-    """Refuse to hold parameters that the law doesn't have."""
-    names = structure.equations.names
-    for name, _ in structure.frozen:
-        if name not in names:
-            raise UsageError(f"--freeze: {unknown(name, list(names), 'parameter')}")
+def refuse_held(structure: Structure) -> None:
+    """Refuse to hold parameters that the law doesn't have, or where no fit may take them.
+
+    Raises:
+        UsageError: one is so.
+    """
+    outlines = {outline.name: outline for outline in structure.equations.parameters}
+    for name, value in structure.frozen:
+        if name not in outlines:
+            raise UsageError(f"--freeze: {unknown(name, list(outlines), 'parameter')}")
+        # bounds in sizes of the data, which are texts, are a fit's own
+        bounds = (outlines[name].lower, outlines[name].upper)
+        low, high = (math.nan if isinstance(bound, str) else float(bound) for bound in bounds)
+        if value < low or value > high:
+            expected = f"at least {low:g}" if value < low else f"at most {high:g}"
+            raise UsageError(f"--freeze: got {name}={value:g}; expected {expected}, where a fit may take it")
 
 
 def fit_structure(
@@ -138,6 +149,8 @@ def fit_structure(
     Raises:
         UserError: the data can't serve the structure.
     """
+    if method not in get_args(Method):
+        raise UsageError(f"--method: got {method!r}; expected {' or '.join(get_args(Method))}")
     equations = structure.equations
     if equations.ages and len((parted := by_stretch(loops)).run) > len(loops.run):
         loops, observations = parted, None

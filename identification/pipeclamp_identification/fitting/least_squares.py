@@ -246,12 +246,14 @@ def _finish(
         free = np.delete(free, weak)
     residual = evaluator.residual(values[free])
     law_force = evaluator.law_force(values[free])
-    by_run = residual.reshape(law.observations.motion.y.shape[0], -1)
+    by_row = residual.reshape(law.observations.motion.y.shape[0], -1)
     return Fit(
         law=Law(structure, dict(zip(equations.names, values.tolist(), strict=True)), *law.smoothing),
         equations=equations,
         fitted=tuple(equations.names[index] for index in free),
-        covariance=covariance_of(scaled, norms, by_run, law.observations.compared(law_force), roots[free] ** 2),
+        covariance=covariance_of(
+            scaled, norms, by_row, law.observations.compared(law_force), roots[free] ** 2, law.observations.runs
+        ),
         frozen=frozen,
         at_bound=at_bound,
         law_force=law_force,

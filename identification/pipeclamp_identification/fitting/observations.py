@@ -60,6 +60,10 @@ class Observations(Protocol):
     def show_shape(self) -> bool:
         """Whether they show the shape of loops."""
 
+    @property
+    def runs(self) -> IntArray | None:
+        """Number of the run of each row, shape (R,); None where each row is a run of its own."""
+
     def residual(self, law_force: LawForce) -> Array:
         """Give the weighted residuals, measured less law, shape (R, m), for the law's force on the motion."""
 
@@ -132,6 +136,7 @@ class LoopObservations:
         transforms: how each record's sampling turns force into harmonics, shape (R, 2 H + 1, n): points of the cycle
             last, as in forces, which a fit is quickest with; None where it is fine enough for that not to matter.
         deny_constant_force: whether forces at rest before the tests do.
+        runs: number of the run of each row, shape (R,); None where each row is a run of its own.
     """
 
     motion: Motion
@@ -140,6 +145,7 @@ class LoopObservations:
     force_amplitude: Array
     transforms: Array | None = None
     deny_constant_force: bool = False
+    runs: IntArray | None = None
 
     @property
     def show_shape(self) -> bool:
@@ -212,6 +218,7 @@ class LoopObservations:
             standard_error=self.standard_error[chosen],
             force_amplitude=self.force_amplitude[chosen],
             transforms=None if self.transforms is None else self.transforms[chosen],
+            runs=None if self.runs is None else np.unique(self.runs[chosen], return_inverse=True)[1].astype(np.intp),
         )
 
     def mean_squares(self, law_force: LawForce, explained: Array | float = 0.0) -> Array:
@@ -275,6 +282,11 @@ class WeightedLoops:
         """As harmonics do."""
         return True
 
+    @property
+    def runs(self) -> IntArray | None:
+        """Number of the run of each row, shape (R,); None where each row is a run of its own."""
+        return self.loops.runs
+
 
 def loop_motion(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> Motion:
     """Give the measured motions of loops over one cycle, for laws to be evaluated on.
@@ -336,9 +348,11 @@ def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObs
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES_PER_CYCLE), axis=1) / 2
+    names, of_row = np.unique(loops.run, return_inverse=True)
     return LoopObservations(
-        loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples), loops.deny_constant_force
-    )
+        loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples), loops.deny_constant_force,
+        of_row.astype(np.intp) if len(names) < len(loops.run) else None,
+    )  # fmt: skip
 
 
 def points_enough(loops: Loops) -> int:

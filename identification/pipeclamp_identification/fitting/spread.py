@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.local_form import local_form
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
-from pipeclamp_identification.loops.loops import Loops, by_stretch
+from pipeclamp_identification.loops.loops import Loops, by_stretch, one_row_a_run
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.file import Foretold, Shares, Spread
@@ -57,11 +57,14 @@ def spread_of(fit: Fit, loops: Loops, observations: LoopObservations) -> Spread 
     with_all = _shares(left.residual, observations)
     ends = _ends(loops)
     at_end = np.any([number >= 0 for name, (number, _) in ends.items() if name in ("A", "f")], axis=0)
-    free = 2 * len(loops.run) - len(fit.fitted)
-    fitted_away = 2 * len(loops.run) / free if free > 0 else 1.0
+    numbers = 2 * len(np.unique(loops.run))
+    free = numbers - len(fit.fitted)
+    fitted_away = numbers / free if free > 0 else 1.0
     products = with_all.shares * np.where(at_end, fitted_away * with_all.shares, left.shares(groups))
     variance = np.mean(products, axis=1) - np.mean(with_all.noise, axis=1)
-    runs = _between_runs(with_all, loops)
+    of_runs = _of_runs(with_all, observations.runs)
+    one_each = loops if observations.runs is None else one_row_a_run(loops)
+    runs = _between_runs(of_runs, one_each)
     form = np.maximum(variance - runs, 0.0)
     beyond = {}
     for name, (number, step) in ends.items():
@@ -69,7 +72,7 @@ def spread_of(fit: Fit, loops: Loops, observations: LoopObservations) -> Spread 
         known = number >= 0
         at_ends = np.mean((outside**2 - with_all.noise)[:, known], axis=1) - runs
         beyond[name] = Foretold(step=rounded(step), error=_deviations(np.maximum(at_ends, form)))
-    local = local_form(loops, np.sqrt(fitted_away) * with_all.shares, with_all.noise + runs[:, None], np.sqrt(form))
+    local = local_form(one_each, np.sqrt(fitted_away) * of_runs.shares, of_runs.noise + runs[:, None], np.sqrt(form))
     return Spread(runs=_deviations(runs), form=_deviations(form), beyond=beyond, local=local)
 
 
@@ -113,6 +116,18 @@ def _shares(residual: Array, observations: LoopObservations) -> _Pair:
         shares.append(np.sum(residual[:, first::2] * direction, axis=1) / size)
         variances.append(np.sum(noise[:, first::2] * direction**2, axis=1) / size**2)
     return _Pair(np.stack(shares), np.stack(variances))
+
+
+def _of_runs(found: _Pair, runs: IntArray | None) -> _Pair:
+    """Give the mean over the stretches of each run, which share what the run is off by."""
+    if runs is None:
+        return found
+    counts = np.bincount(runs)
+    shares, noise = (
+        np.stack([np.bincount(runs, row) / power for row in each])
+        for each, power in ((found.shares, counts), (found.noise, counts**2))
+    )
+    return _Pair(shares, noise)
 
 
 def _between_runs(found: _Pair, loops: Loops) -> Array:

@@ -250,7 +250,11 @@ def read_conditions(path: Path) -> dict[str, Settings]:
         raise UserError(f"{path}: {error}; expected a table of what was set") from error
     first = text.split("\n", 1)[0]
     delimiter = max("\t;,", key=first.count)
-    rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO(text), delimiter=delimiter) if any(row)]
+    read = csv.reader(io.StringIO(text), delimiter=delimiter)
+    try:
+        rows = [[cell.strip() for cell in row] for row in read if any(row)]
+    except csv.Error as error:
+        raise UserError(f"{path}, line {read.line_num}: {error}; expected a table of what was set") from error
     if len(rows) < 2:
         raise UserError(f"{path}: has no row below its header; expected a row a file")
     header = rows[0]

@@ -70,7 +70,8 @@ class ImportRequest:
 
     def staged(self) -> AbstractContextManager[Path]:
         """Give a folder to write the campaign into; what is only looked at needs no place beside the campaign."""
-        return staged_folder(Path(tempfile.gettempdir()) / self.folder.name if self.dry_run else self.folder)
+        looked_at = Path(tempfile.gettempdir()) / (self.folder.resolve().name or "campaign")
+        return staged_folder(looked_at if self.dry_run else self.folder)
 
     def put_in_place(self, work: Path, found: ImportedCampaign) -> None:
         """Put a campaign and its page in place, once that is confirmed.

@@ -6,7 +6,7 @@ freedom, together with an expectation from before the data that weighs as much a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -21,9 +21,11 @@ from pipeclamp_identification.metrics_only.observations import METRICS, MetricOb
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, LEFT_OUT
 from pipeclamp_identification.signals.chances import of_larger_ratio
+from pipeclamp_identification.signals.levels import SAME_KELVIN, set_points
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.processes import ALONE, Workers
+from pipeclamp_models.base.signals import OWN_SIGNALS
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_law
 
@@ -239,9 +241,23 @@ def fewest_numbers(observations: MetricObservations) -> int:
 
 
 def distinct_conditions(observations: MetricObservations) -> IntArray:
-    """Number the distinct conditions, shape (R,)."""
-    columns = np.nan_to_num(np.hstack(list(observations.motion.slow.values())))
-    return np.unique(columns, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
+    """Number the distinct conditions, shape (R,): repeats, of which drives miss what was set, are at one.
+
+    The cycles that came before, of which each of repeats has its own number, tell conditions apart where nothing else
+    does; where these don't either, each run is one by itself.
+    """
+    slow = {name: values[:, 0] for name, values in observations.motion.slow.items()}
+    places = {name: set_points(values, SAME_KELVIN if name == "T" else np.inf) for name, values in slow.items()}
+    cycles = places.pop(OWN_SIGNALS["first_cycle"], None)
+    found = _numbered(list(places.values()))
+    if not found.max() and cycles is not None:
+        found = _numbered([cycles])
+    return found if found.max() else np.arange(len(found), dtype=np.intp)
+
+
+def _numbered(columns: Sequence[IntArray]) -> IntArray:
+    """Number the rows that columns of numbers make, shape (R,)."""
+    return np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
 
 
 def chance(law: MetricJudged, larger: MetricJudged, scatter: Scatter) -> float:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.fitting.identify import data_source, file_of_fit, refuse_unknown
+from pipeclamp_identification.fitting.identify import data_source, file_of_fit, refuse_held
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metric_observations
@@ -37,7 +37,7 @@ def identify_metrics(campaign: MetricCampaign, structure: Structure = BASE_LAW, 
             f"base {structure.base!r}: {campaign.name} holds metrics without records, which can't choose the "
             "orders of a series; expected base power or memory"
         )
-    refuse_unknown(structure)
+    refuse_held(structure)
     return fit_to_metrics(structure, metric_observations(campaign), {}, FIT_TOLERANCE, progress)
 
 

@@ -49,6 +49,11 @@ class MetricObservations:
         """Two energies of a loop don't."""
         return False
 
+    @property
+    def runs(self) -> IntArray | None:
+        """Each row is a run of its own."""
+        return None
+
     def rows(self, chosen: IntArray) -> Self:
         """Give the observations of some of the loops."""
         return replace(

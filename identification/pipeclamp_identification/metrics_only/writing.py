@@ -7,13 +7,17 @@ import io
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 from pipeclamp_identification.campaign.description import description_text
 from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import metrics_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
-from pipeclamp_models.base.digits import rounded_to
+from pipeclamp_models.base.digits import plain, rounded_to
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import write_folder
 from pipeclamp_models.base.units import celsius_of
 
 METRIC_DIGITS = 6
@@ -71,6 +75,33 @@ def metric_rows(campaign: MetricCampaign) -> list[dict[str, str | float | None]]
         }
         for run in campaign.runs
     ]
+
+
+def write_metrics(folder: Path, campaign: MetricCampaign) -> tuple[LeftOut, ...]:
+    """Write a campaign of metrics into a new folder; it appears whole or not at all.
+
+    Returns:
+        runs that are left out, for their loops make energy: metrics are held against laws by the logs of their ratios.
+
+    Raises:
+        UserError: no run is left, the folder exists, or its parent can't be written.
+    """
+    left_out = tuple(
+        LeftOut(run.name, f"its loop makes energy: dW is {plain(run.dissipated_energy_J, 3)} J a cycle")
+        for run in campaign.runs
+        if run.dissipated_energy_J <= 0.0
+    )
+    names = [one.run for one in left_out]
+    kept = tuple(run for run in campaign.runs if run.name not in names)
+    if not kept:
+        raise UserError(
+            f"{campaign.name}: all its loops make energy, as no passive device does, so that no metrics can be "
+            "written; expected dW above 0: check the sign of force and displacement, and a delay between them"
+        )
+    said = f"Left out, for their loops make energy: {', '.join(names)}." if names else ""
+    notes = " ".join(filter(None, [campaign.notes, said]))
+    write_folder(folder, metric_files(replace(campaign, runs=kept, notes=notes)))
+    return left_out
 
 
 def metric_files(campaign: MetricCampaign) -> Iterator[tuple[str, bytes]]:

@@ -221,9 +221,9 @@ def sine_scatter_of(measurement: PipeMeasurement) -> Array:
     steady = measurement.steady
     found = steady.scatter.copy()
     columns = (
-        np.round(np.log(steady.frequency) / SAME_FREQUENCY),
-        np.round(np.log(steady.drive) / SAME_DRIVE),
-        np.nan_to_num(np.round(steady.temperature / SAME_TEMPERATURE), nan=-CELSIUS),
+        _settings(np.log(steady.frequency), SAME_FREQUENCY),
+        _settings(np.log(steady.drive), SAME_DRIVE),
+        _settings(np.nan_to_num(steady.temperature, nan=-CELSIUS), SAME_TEMPERATURE),
         steady.sweep,
     )
     groups = np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1]
@@ -232,7 +232,7 @@ def sine_scatter_of(measurement: PipeMeasurement) -> Array:
     for group in range(int(groups.max()) + 1):
         rows = np.flatnonzero(groups == group)
         if rows.size > 1:
-            values = steady.response[rows] / np.mean(scale[rows], axis=0)
+            values = steady.response[rows] / np.nanmean(scale[rows], axis=0)
             each = np.where(steady.phased[rows], 2, 1)
             squares += np.nansum(np.abs(values - np.nanmean(values, axis=0)) ** 2 / each, axis=0)
             freedoms += np.maximum(np.count_nonzero(np.isfinite(values), axis=0) - 1, 0)
@@ -241,6 +241,16 @@ def sine_scatter_of(measurement: PipeMeasurement) -> Array:
     # Repeats show more than cycles do: what changes from test to test.
     found[:, known] = (share * scale)[:, known]
     return found
+
+
+def _settings(values: Array, width: float) -> IntArray:
+    """Number the settings that values are at: those of one lie within a width, from its lowest on."""
+    numbers, number, begin = np.zeros(len(values), dtype=np.intp), 0, -math.inf
+    for row in np.argsort(values, kind="stable").tolist():
+        if values[row] > begin + width:
+            number, begin = number + 1, float(values[row])
+        numbers[row] = number
+    return numbers
 
 
 def compare_pipe(system: Path, measured: Path) -> PipeComparison:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -184,6 +185,9 @@ def _planned(row: Mapping[str, str | None], where: str) -> RigRun:
             numbers.append(float(row[name] or ""))
         except ValueError:
             raise UserError(f"{where}, column {name!r}: got {row[name]!r}; expected a number") from None
+        if not math.isfinite(numbers[-1]) or (name == "first_cycle" and numbers[-1] < 0):
+            least = " of 0 or more" if name == "first_cycle" else ""
+            raise UserError(f"{where}, column {name!r}: got {row[name]!r}; expected a finite number{least}")
     if not row["run"]:
         raise UserError(f"{where}, column 'run': nothing; expected its name")
     return RigRun(row["run"], *numbers)

@@ -87,6 +87,21 @@ def known_levels(values: Array) -> list[Level]:
     return [level for level in number_levels(values, relative=SAME_SHARE) if level.known]
 
 
+def set_points(values: Array, absolute: float = np.inf) -> IntArray:
+    """Number the set points that values scatter about, shape (n,); a value that belongs to none is alone.
+
+    Args:
+        values: of each run, nan where not known, which is one of its own, shape (n,).
+        absolute: by how much those of one set point differ at most, where they don't by `SAME_SHARE`.
+    """
+    numbers = np.arange(len(values), dtype=np.intp)
+    for level in number_levels(values, relative=SAME_SHARE, absolute=absolute):
+        reach = np.ptp(values[level.rows]) if level.known else 0.0
+        if reach <= min(absolute, SAME_SHARE * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf):
+            numbers[level.rows] = level.rows[0]
+    return numbers
+
+
 def name_levels(names: Sequence[str | None]) -> tuple[Level, ...]:
     """Give the levels of a condition that is a name, in alphabetical order; nameless runs last."""
     found = sorted({name for name in names if name})

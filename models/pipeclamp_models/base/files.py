@@ -22,6 +22,8 @@ FILE_KINDS = {
     stat.S_ISSOCK: "is a socket",
 }
 """What may stand where a file is expected; opening some of them waits for ever."""
+DEVICES = Path("/dev")
+"""Folder of devices, /dev/stdout among them, which leads to a file where the output goes to one."""
 WINDOWS_DEVICES = r"con|prn|aux|nul|com\d|lpt\d"
 """Names that are devices on Windows, whatever ends they have; in any case."""
 FMU, SSP = ".fmu", ".ssp"
@@ -98,6 +100,9 @@ def refuse_file(path: Path) -> None:
         raise UserError(f"{path}: is no name that a file can have; expected the name of a file to write")
     if path.is_dir():
         raise UserError(f"{path}: is a folder; expected the name of a file to write")
+    if (path.exists() and not path.is_file()) or path.parent == DEVICES:
+        # a file would take its place
+        raise UserError(f"{path}: is a device or a pipe; expected the name of a file to write")
     refuse_parent(path)
 
 
@@ -259,7 +264,12 @@ def replace_folder(work: Path, folder: Path) -> None:
 
 def set_aside(folder: Path) -> Path:
     """Give where a folder stands while another takes its place."""
-    return folder.with_name(f".{folder.name}.before")
+    return beside(folder, f".{folder.resolve().name}.before")
+
+
+def beside(folder: Path, name: str) -> Path:
+    """Give a path beside a folder, which may be the one that a command is called in, or one above it."""
+    return folder.with_name(name) if folder.name not in ("", "..") else folder / ".." / name
 
 
 def restored(folder: Path) -> bool:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import gzip
 import io
+import itertools
 import math
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -15,6 +18,7 @@ import pytest
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.loops.one_condition import variations_of
 from pipeclamp_models.base.errors import UserError
 
 TABLE = "run,file,amplitude_mm,frequency_Hz,temperature_C\nA,runs/A.csv,0.8,3,20\n"
@@ -218,6 +222,16 @@ def test_a_missing_file_is_an_error_that_names_it(campaign_folder, missing):
         read_campaign(folder)
 
 
+def test_the_folder_that_one_is_in_may_be_no_campaign(tmp_path, monkeypatch):
+    (tmp_path / "exports").mkdir()
+    (tmp_path / "exports" / "a.csv").write_text("", encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "exports")
+    with pytest.raises(UserError) as failure:
+        read_campaign(Path())
+    assert "no campaign.toml" in str(failure.value)
+    assert str(failure.value).endswith(f"pipeclamp import . -o {Path('../exports_campaign')}")
+
+
 def test_a_missing_folder_is_an_error_that_names_it(tmp_path):
     with pytest.raises(UserError, match="nowhere"):
         read_campaign(tmp_path / "nowhere")
@@ -354,3 +368,37 @@ def test_coarse_quantisation_is_no_clipping(harmonic_record, run_of, quantum, ph
     y, force = record.displacement_mm, record.force_N
     coarse = Record(record.time_s, quantum * np.round(y / quantum), 2000 * quantum * np.round(force / (2000 * quantum)))
     assert run_of(coarse).cycles.count == 5
+
+
+def test_a_temperature_that_records_alone_tell_counts_as_a_stated_one(campaign_folder, harmonic_record):
+    """Stiffness and damping that fell with it, from run to run, had passed for the gain of a sensor that drifts."""
+    stated, measured, records = "run,file,temperature_C\n", "run,file\n", {}
+    for number, (T, A) in enumerate(itertools.product((20.0, 60.0, 100.0, 140.0), (0.2, 0.5, 1.0))):
+        force = (293.15 / (T + 273.15)) ** 1.2 * (1500 + 300j) * A
+        record = harmonic_record((0.0, A), (0.0, force), frequency=2.0, rate=400.0)
+        noise = np.random.default_rng(number).standard_normal(len(record.time_s))
+        channels = record.time_s, record.displacement_mm, record.force_N + 0.1 * noise
+        rows = "".join(
+            f"{t:.6f},{y:.6f},{F:.4f},{T + 0.2 * np.sin(t):.3f}\n" for t, y, F in zip(*channels, strict=True)
+        )
+        records[f"runs/{number}.csv"] = f"time_s,displacement_mm,force_N,temperature_C\n{rows}"
+        stated += f"{number},runs/{number}.csv,{T:g}\n"
+        measured += f"{number},runs/{number}.csv\n"
+    both = [
+        read_campaign(campaign_folder(table=table, records=records, folder=name))
+        for name, table in (("stated", stated), ("measured", measured))
+    ]
+    assert [campaign.faults for campaign in both] == [(), ()]
+    studies = [variations_of(campaign, loops_of(campaign)) for campaign in both]
+    assert [(one.quantity, one.rows) for one in studies[0]] == [(one.quantity, one.rows) for one in studies[1]]
+    assert both[1].runs[4].setup.temperature_C == pytest.approx(60.0, abs=0.2)
+
+
+def test_a_time_in_milliseconds_from_1970_is_told_as_such(campaign_folder, harmonic_record, csv_text):
+    """Such a record had been called impossible."""
+    record = harmonic_record(start=1_770_000_000.0)
+    made = dataclasses.replace(record, time_s=1000 * record.time_s)
+    (doubt,) = read_campaign(
+        campaign_folder(records={"runs/A.csv": csv_text(made)}, table="run,file\nA,runs/A.csv\n")
+    ).doubts
+    assert doubt.startswith("the time may be in ms, not s (factor 0.001)")

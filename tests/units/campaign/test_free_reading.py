@@ -124,6 +124,7 @@ def test_the_name_of_a_motion_is_a_column_of_its_own(write):
         (setting("time_s", lambda t: np.where(np.arange(len(t)) == 99, 0, t)), "time goes back in row 101"),
         (setting("time_s", lambda t: t + 5.0 * (t > 9)), "a gap of 5"),
         (setting("force_N", np.negative), "its force has the wrong sign"),
+        (setting("force_N", lambda F: 0 * F + 3), "stuck sensor: force_N stands at 3 all through the record"),
         (clip("force_N", 0.6), "clipped sensor: force_N stands at"),
         (clip("displacement_mm", 0.6), "clipped sensor: displacement_mm stands at"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from types import SimpleNamespace
 
 import numpy as np
@@ -33,3 +34,14 @@ def test_noise_holds_no_line_however_many_the_runs(cycles):
 def test_a_subharmonic_is_found(cycles, order):
     rng = np.random.default_rng(7)
     assert found_in(16, cycles, rng, line=0.6, order=order) == (order,)
+
+
+def test_of_a_long_record_some_cycles_are_asked():
+    """Ten thousand cycles had taken their square of memory."""
+    tracemalloc.start()
+    try:
+        rng = np.random.default_rng(7)
+        assert found_in(4, 10_000, rng, line=0.6) == (1.5,)
+        assert tracemalloc.get_traced_memory()[1] < 100e6
+    finally:
+        tracemalloc.stop()

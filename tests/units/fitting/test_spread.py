@@ -10,6 +10,7 @@ import pytest
 from pipeclamp_identification.fitting.identify import identify
 from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.law.law import Structure
 from pipeclamp_models.law.local_form import Kriged
 
 LEVELS = tuple(itertools.product((0.2, 0.4, 0.7, 1.0), (1.0, 3.0, 6.0, 10.0), (20.0, 100.0, 180.0)))
@@ -65,3 +66,24 @@ def test_a_lack_that_follows_the_conditions_is_foretold_between_the_tests(spread
         assert left < found.local.damping.deviation
         off.append((mean, left))
     assert np.ptp([mean for mean, _ in off]) > found.form.damping
+
+
+def test_a_law_that_ages_knows_the_runs_of_its_stretches(harmonic_record, run_of, campaign_of):
+    """Stretches of one run are off alike: as runs of their own they had made what scatters between runs look small."""
+    random = np.random.default_rng(8)
+    runs = []
+    for number, (A, f) in enumerate(itertools.product((0.2, 0.5, 1.0), (1.0, 2.0, 4.0))):
+        force = (1 + 0.02 * random.standard_normal()) * 1500 * A + 40j * (2 * np.pi * f * A) ** 0.3
+        made = harmonic_record((0.0, A), (0.0, force), frequency=f, rate=100 * f, cycles=6.0)
+        noise = 0.5 * random.standard_normal(len(made.force_N))
+        record = type(made)(made.time_s, made.displacement_mm, made.force_N + noise)
+        runs.append(run_of(record, f"r{number}", temperature_C=20.0, first_cycle=8.0 * number))
+    tests = campaign_of(*runs)
+    found = identify(tests, Structure("power", ("loosening",)))
+    aged = spread_of(found.fit, found.loops, found.observations)
+    plain = identify(tests)
+    whole = spread_of(plain.fit, plain.loops, plain.observations)
+    assert len(found.fit.law_force.force) == 3 * len(runs)
+    assert len(aged.local.stiffness.shares) == len(runs)
+    assert aged.runs.stiffness == pytest.approx(whole.runs.stiffness, rel=0.5)
+    assert found.fit.standard_errors()["k10"] > 0.8 * plain.fit.standard_errors()["k10"]

@@ -1,5 +1,6 @@
 """A file that somebody reads just then is replaced all the same: Windows refuses that until they have read it."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,21 @@ def test_it_is_tried_again_for_a_while(tmp_path, monkeypatch, refusals, written)
             files.write_whole(path, "new")
     assert path.read_text(encoding="utf-8") == written
     assert [each.name for each in tmp_path.iterdir()] == ["law.json"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes among files")
+def test_no_file_takes_the_place_of_a_device_or_pipe(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", Path("/dev/stdout"), Path("/dev/null")):
+        with pytest.raises(UserError, match="is a device or a pipe; expected the name of a file"):
+            files.refuse_file(path)
+
+
+def test_what_stands_beside_the_folder_that_one_is_in(tmp_path, monkeypatch):
+    (tmp_path / "tests").mkdir()
+    monkeypatch.chdir(tmp_path / "tests")
+    for folder in (Path(), Path("../tests"), tmp_path / "tests"):
+        assert files.set_aside(folder).resolve() == tmp_path / ".tests.before"
 
 
 @pytest.mark.parametrize("refuse", [files.refuse_file, files.refuse_folder])

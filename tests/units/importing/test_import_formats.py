@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import zipfile
 from importlib.util import find_spec
 
@@ -13,6 +14,7 @@ from format_writers import WRITERS
 import pipeclamp as pc
 from pipeclamp_identification.importing import reading
 from pipeclamp_identification.importing.reading import known_formats, read_file
+from pipeclamp_models.base.tables import pl
 
 
 @pytest.mark.parametrize("kind", WRITERS)
@@ -65,6 +67,16 @@ def test_content_counts_before_the_ending(tmp_path):
     (tmp_path / "b.tdms").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
     with pytest.raises(pc.UserError, match="is no NI TDMS file, by its first bytes"):
         read_file(tmp_path / "b.tdms")
+
+
+def test_a_stamp_that_is_missing_at_the_beginning_takes_no_other_along(tmp_path):
+    run = loop(0.5, 2.0, cycles=10)
+    stamps = [datetime.datetime(2024, 1, 1, 12) + datetime.timedelta(seconds=time) for time in run.time.tolist()]
+    columns = {"time": [None, *stamps[1:]], "Weg [mm]": run.y, "Last [N]": run.force}
+    pl.DataFrame(columns).write_parquet(tmp_path / "a.parquet")
+    found = read_file(tmp_path / "a.parquet").tables[0].channels[0].values
+    assert np.isnan(found[0])
+    np.testing.assert_allclose(found[1:], run.time[1:] - run.time[1], atol=1e-5)
 
 
 def test_a_tdms_file_that_breaks_off_is_told(tmp_path):

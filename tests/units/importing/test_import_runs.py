@@ -469,6 +469,39 @@ def test_a_table_of_conditions_that_meets_no_run_is_told(tmp_path):
         pc.import_files(tmp_path / "x.csv", tmp_path / "d", conditions=tmp_path / "set.csv")
 
 
+def test_a_table_of_conditions_that_is_no_table_is_told(tmp_path):
+    (tmp_path / "x.csv").write_text(text(loop()))
+    (tmp_path / "set.csv").write_text('file,temperature_C\nx.csv,"' + 200_000 * "2")
+    with pytest.raises(UserError, match=r"set\.csv, line 2: field larger than .*; expected a table of what was set"):
+        pc.import_files(tmp_path / "x.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
+
+
+@pytest.mark.parametrize("name", ["run", "file", "motion"])
+def test_no_channel_names_the_runs(tmp_path, name):
+    (tmp_path / "x.csv").write_text(text(loop()))
+    with pytest.raises(UsageError, match=f"got '{name}=Force'; expected .* a further condition: {name} is what an"):
+        pc.import_files(tmp_path / "x.csv", tmp_path / "c", columns=f"{name}=Force")
+
+
+def test_a_campaign_isnt_replaced_below_who_stands_in_it(tmp_path, monkeypatch):
+    for name in ("x", "y"):
+        (tmp_path / f"{name}.csv").write_text(text(loop(0.5 if name == "x" else 0.6)))
+    pc.import_files(tmp_path / "x.csv", tmp_path / "c")
+    monkeypatch.chdir(tmp_path / "c" / "runs")
+    for folder in (tmp_path / "c", ".."):
+        with pytest.raises(
+            UserError, match=r"the command was called in it; expected it from outside: cd .*, then -o c"
+        ):
+            pc.import_files(tmp_path / "y.csv", folder)
+    monkeypatch.chdir(tmp_path / "c")
+    with pytest.raises(UserError, match="called in it"):
+        pc.import_files(tmp_path / "y.csv", ".")
+    assert (
+        "1 run of 1 file (nothing is written)" in pc.import_files(tmp_path / "y.csv", ".", dry_run=True).view().lines[0]
+    )
+    assert len(pc.read_campaign(".")) == 1
+
+
 def contents(folder):
     return {path.name: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "import.html"}
 

@@ -114,6 +114,28 @@ def test_every_dialect_gives_the_same_campaign(tmp_path, dialect):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names of files are text there")
+def hour(t: float) -> str:
+    """Give a stamp of minutes and seconds, which begins anew with the hour, five seconds on."""
+    return f"{'59' if t < 5 else '00'}:{(55 + t) % 60:06.3f}"
+
+
+@pytest.mark.parametrize(
+    "stamp",
+    [
+        hour,
+        lambda t: f"{'05' if t < 5 else '06'}/06/2024 {'23:59' if t < 5 else '00:00'}:{(55 + t) % 60:06.3f}",
+        lambda t: f"06/{'05' if t < 5 else '06'}/2024 {'23:59' if t < 5 else '00:00'}:{(55 + t) % 60:06.3f}",
+    ],
+    ids=["the hour", "European dates", "American dates"],
+)
+def test_a_clock_goes_on_over_the_full_hour_and_midnight(tmp_path, stamp):
+    run = loop(0.5, 2.0, cycles=18)
+    (tmp_path / "x.csv").write_text(text(run, stamp=stamp, names="Zeit;Weg [mm];Kraft [kN]"), encoding="utf-8")
+    found = pc.import_files(tmp_path / "x.csv", tmp_path / "c")
+    (read,) = found.tests().tests.campaign.runs
+    assert read.record.time_s[-1] - read.record.time_s[0] == pytest.approx(run.time[-1] - run.time[0], abs=2e-3)
+
+
 def test_names_of_files_are_of_their_language_too(tmp_path):
     exports = tmp_path / os.fsdecode("próby siły".encode("cp1250"))
     try:

@@ -9,8 +9,9 @@ import pytest
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.metrics_only.campaign import metric_observations
+from pipeclamp_identification.metrics_only.evidence import distinct_conditions
 from pipeclamp_identification.metrics_only.verdict import _tested_once
-from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files
+from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files, write_metrics
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.errors import UserError
@@ -156,6 +157,31 @@ def test_temperatures_as_they_were_measured_are_one_where_they_scatter(tests_of,
     assert _tested_once(judged, metric_observations(tests_of(HEADER + "".join(rows)))) == told
 
 
+@pytest.mark.parametrize(
+    ("settings", "conditions"),
+    [
+        ([(A, f, T) for A in (0.4, 0.8) for f in (1.0, 3.0) for T in (20.0, 200.0)], 8),
+        ([(0.4 * 1.1**n, 1.0, 20.0) for n in range(8)], 8),
+        ([(0.4, 1.0, 20.0)], 8),
+    ],
+    ids=["a grid", "levels", "a load for ever"],
+)
+def test_repeats_are_at_one_condition_though_drives_miss_it(tests_of, settings, conditions):
+    """Of three repeats each had been left out by itself, with two of its like among those that foretold it."""
+    rng = np.random.default_rng(1)
+    repeats = 24 // len(settings) if len(settings) > 1 else conditions
+    rows = [
+        f"{A * (1 + 0.004 * rng.standard_normal()):.6g},{f * (1 + 1e-3 * rng.standard_normal()):.6g},"
+        f"{T + 0.5 * rng.standard_normal():.5g},{0.9 + 0.01 * rng.random():.6g},0.63,{10 ** (n / 4):.6g}\n"
+        for n, (A, f, T) in enumerate(settings * repeats)
+    ]
+    table = HEADER.rstrip() + ",first_cycle\n" + "".join(f"r{n},{row}" for n, row in enumerate(rows))
+    groups = distinct_conditions(metric_observations(tests_of(table)))
+    assert groups.max() + 1 == conditions
+    if len(settings) > 1:
+        assert len(np.unique(groups.reshape(repeats, -1), axis=0)) == 1
+
+
 def test_temperature_for_some_runs_only_is_refused(tests_of):
     with pytest.raises(UserError, match="1 of 2 runs only"):
         metric_observations(tests_of(HEADER + ROW + "B,0.5,3,,0.5,0.25\n"))
@@ -182,3 +208,19 @@ def test_written_metrics_are_read_back(run_of, campaign_of, harmonic_record, tmp
     for name in ("amplitude_mm", "frequency_Hz", "dissipated_energy_J", "max_elastic_energy_J"):
         assert getattr(other, name) == getattr(one, name)
     assert one.dissipated_energy_J == pytest.approx(math.pi * 0.8 * 400.0 / 1e3, rel=1e-5)
+
+
+def test_loops_that_make_energy_are_left_out_of_what_is_written(harmonic_record, run_of, campaign_of, tmp_path):
+    """They had been written, and the campaign couldn't be read."""
+    loss = (0.0, 2000.0 + 400.0j), (0.0, 2000.0 - 40.0j)
+    runs = [run_of(harmonic_record(force=one), name) for one, name in zip(loss, ("A", "B"), strict=True)]
+    tests = campaign_of(*runs)
+    metrics = as_metrics(tests, loops_of(tests))
+    (left_out,) = write_metrics(tmp_path / "metrics", metrics)
+    assert str(left_out).startswith("run 'B' is left out: its loop makes energy: dW is -0.1")
+    read = read_tests(tmp_path / "metrics").campaign
+    assert ([run.name for run in read.runs], read.notes) == (["A"], "Left out, for their loops make energy: B.")
+    none = campaign_of(runs[1])
+    with pytest.raises(UserError, match="all its loops make energy"):
+        write_metrics(tmp_path / "none", as_metrics(none, loops_of(none)))
+    assert not (tmp_path / "none").exists()

@@ -15,8 +15,9 @@ from cantilever import cantilever, shaken
 from pipeclamp.pages.page import render
 from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp_identification.on_pipe.answer import sines_answer
+from pipeclamp_identification.on_pipe.measurement import read_measurement
 from pipeclamp_identification.on_pipe.prediction import met_in_sweep
-from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
+from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe, sine_scatter_of
 from pipeclamp_identification.on_pipe.where import highest_peaks, how_much, where_words
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.steady.balance import SteadySystem
@@ -173,6 +174,18 @@ def test_repeats_show_scatter(bench):
     assert found.noise_nrmse == pytest.approx(0.02 / np.sqrt(2), rel=0.02)
     assert found.nrmse == pytest.approx(0.02 / np.sqrt(2), rel=0.02)
     assert "is scatter, nearly all of it" in where_words(found)[0]
+
+
+@pytest.mark.parametrize("level", np.exp(0.02 * np.arange(-2.0, 2.01, 0.25)))
+def test_repeats_are_repeats_at_any_level(tmp_path, level):
+    (tmp_path / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
+    head = "frequency_Hz,acceleration_m_s2,tip_real,tip_imag,middle_real,middle_imag\n"
+    rows = f"9,{level},{level},0,,\n9,{level * 1.001},{level * 1.021},0,{level},0\n9,{level},{level},0,{level},0\n"
+    (tmp_path / "sines.csv").write_text(head + rows, encoding="utf-8")
+    found = sine_scatter_of(read_measurement(tmp_path))
+    assert np.isfinite(found[:, 0]).all()
+    assert found[0, 0] == pytest.approx(found[2, 0])
+    assert np.isfinite(found[1:, 1]).all()
 
 
 def test_a_sweep_stays_on_its_branch(folds):

@@ -180,3 +180,19 @@ def test_the_table_is_read_back(tmp_path):
     (tmp_path / "plan.csv").write_text(text, encoding="utf-8")
     with pytest.raises(UserError, match="row 5, column 'amplitude_mm': got 'much'"):
         read_plan(tmp_path / "plan.csv")
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "told"),
+    [
+        ("first_cycle", "nan", "expected a finite number of 0 or more"),
+        ("first_cycle", "-5", "expected a finite number of 0 or more"),
+        ("amplitude_mm", "inf", "expected a finite number$"),
+    ],
+)
+def test_a_number_of_a_plan_that_no_campaign_holds_is_told(tmp_path, column, value, told):
+    row = {"run": "r1", "amplitude_mm": "0.5", "frequency_Hz": "3", "temperature_C": "20", "first_cycle": "0"}
+    row[column] = value
+    (tmp_path / "plan.csv").write_text(f"{','.join(row)}\n{','.join(row.values())}\n", encoding="utf-8")
+    with pytest.raises(UserError, match=f"row 2, column '{column}': got '{value}'; {told}"):
+        read_plan(tmp_path)

@@ -140,6 +140,13 @@ def test_a_slider_gives_the_law_with_that_value(studio, campaign, home):
     assert moved["by_law"]["nrmse"] > 0.05
 
 
+def test_a_slider_beyond_all_reason_is_told(studio):
+    name = studio.desk.open("virtual").bench.loops.run[3]
+    status, _, content = studio.ask("/c/virtual/moved", "POST", {"law": "law1", "run": name, "values": {"k10": -1e300}})
+    assert status == 400
+    assert "beyond all reason" in json.loads(content)["error"]
+
+
 REFUSED = {
     "no run of that name": ("/c/virtual/runs/none?laws=law1", None),
     "no law of that name": ("/c/virtual/laws/law7", None),

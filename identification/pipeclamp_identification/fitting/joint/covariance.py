@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 ALONE_SHARE = 1e-6
 """A direction of the parameters that the other runs determine to less than this share: nothing is seen without it."""
@@ -13,8 +13,10 @@ LARGEST_ERROR = 1e150
 """Standard errors, in a parameter's own unit, are this at most: their squares still are numbers."""
 
 
-def covariance_of(scaled: Array, norms: Array, residual: Array, compared: int, precision: Array) -> Array:
-    """Give the covariance of P parameters that were fitted to R runs, (P, P).
+def covariance_of(
+    scaled: Array, norms: Array, residual: Array, compared: int, precision: Array, runs: IntArray | None = None
+) -> Array:
+    """Give the covariance of P parameters that were fitted to R rows, each a run or a stretch of one, (P, P).
 
     Residuals of one run share their causes (its temperature, its scatter, what the law's form is off), so they are
     counted run by run: standard errors are those of the jackknife, and never below those that trust the stated
@@ -23,19 +25,34 @@ def covariance_of(scaled: Array, norms: Array, residual: Array, compared: int, p
     Args:
         scaled: the Jacobian, with columns of length 1, (residuals, P).
         norms: what its columns were divided by, (P,).
-        residual: by run, (R, m), in units of their stated uncertainties.
+        residual: by row, (R, m), in units of their stated uncertainties.
         compared: so many of the residuals are; the others are zero, whatever the law.
         precision: of the priors, (P,).
+        runs: number of the run of each row, (R,); None where each row is one of its own.
     """
-    runs, count = residual.shape[0], scaled.shape[1]
+    count = scaled.shape[1]
     if count == 0:
         return np.zeros((0, 0))
     spread = max(1.0, float(np.sum(residual**2)) / max(compared - count, 1))
     inverse = np.linalg.pinv(scaled.T @ scaled + spread * np.diag((np.sqrt(precision) / norms) ** 2), hermitian=True)
     stated = inverse * spread
-    moved = moved_by_runs(scaled.reshape(runs, -1, count), inverse, residual)
+    by_row = scaled.reshape(*residual.shape, count)
+    moved = moved_by_runs(_together(by_row, runs), inverse, _together(residual, runs))
     widened = np.minimum(np.sqrt(np.maximum(moved / np.diag(stated), 1.0)) / norms, LARGEST_ERROR)
     return np.asarray(stated * np.outer(widened, widened))
+
+
+def _together(rows: Array, runs: IntArray | None) -> Array:
+    """Give what belongs to rows, (R, m, ...), by run, (runs, rows of the longest times m, ...), 0 where one ends."""
+    if runs is None:
+        return rows
+    counts = np.bincount(runs)
+    order = np.argsort(runs, kind="stable")
+    place = np.empty_like(runs)
+    place[order] = np.concatenate([np.arange(count) for count in counts.tolist()])
+    found = np.zeros((len(counts), int(counts.max()), *rows.shape[1:]))
+    found[runs, place] = rows
+    return found.reshape(len(counts), -1, *rows.shape[2:])
 
 
 def moved_by_runs(jacobian: Array, inverse: Array, residual: Array) -> Array:

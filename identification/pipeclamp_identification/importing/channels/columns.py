@@ -18,6 +18,8 @@ from pipeclamp_models.base.said import few_of
 from pipeclamp_models.base.shell import quoted
 from pipeclamp_models.base.units import unit_shown
 
+OF_RUNS = ("run", "file", "motion")
+"""Columns of runs.csv that no channel fills."""
 OR_UNTIMED = "or --rate none where time was not measured, as in a quasi-static test"
 ODD = re.compile(r"^[-#]|^none$|,\s*[A-Za-z_]\w*\s*=|,$", re.IGNORECASE)
 """Names of channels that would be read as something else."""
@@ -82,6 +84,11 @@ def parse_columns(text: str) -> tuple[Stated, ...]:
         ours = QUANTITY_OF.get(ours, ours)
         if ours in ("displacement", "force") and channel.casefold() == NONE:
             raise UsageError(f"--columns: got {entry!r}; expected a channel: a loop has displacement and force")
+        if ours in OF_RUNS:
+            raise UsageError(
+                f"--columns: got {entry!r}; expected one of {', '.join(OURS)}, {SEGMENT}, or a further condition: "
+                f"{ours} is what an import gives each run"
+            )
         if ours in found:
             raise UsageError(f"--columns: {ours} stands there twice; expected it once")
         sign = channel.startswith("-") and len(channel) > 1

@@ -20,7 +20,9 @@ def read(path: Path) -> Sequence[RawTable]:
             columns.append((column.name, "", column.cast(pl.Float64).fill_null(float("nan")).to_numpy()))
         elif kind.is_temporal():
             ticks = column.cast(pl.Datetime("ns") if kind in (pl.Date, pl.Datetime) else pl.Duration("ns"))
-            seconds = (ticks.to_physical() - ticks.to_physical()[0]).cast(pl.Float64) * 1e-9
+            known = ticks.to_physical()
+            first = known.drop_nulls().head(1).to_list() or [0]
+            seconds = (known - first[0]).cast(pl.Float64) * 1e-9
             columns.append((column.name, "s", seconds.fill_null(float("nan")).to_numpy()))
     if not columns:
         raise Damaged("has no column of numbers")
