@@ -140,7 +140,7 @@ class DrivenPipe:
         return self.clamps * (2 * self.harmonics + 1)
 
     def responses(self, frequency: Array, harmonics: int | None = None) -> ComplexArray:
-        """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1): not to be changed.
+        """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1): read only.
 
         What was asked for lately is kept: paths over the excitation's level stay at one frequency.
         """
