@@ -36,22 +36,33 @@ def environment(*modules: Path) -> dict[str, str]:
 
 class Calls:
     """Runs commands, each in a process of its own: the first of each name from nothing, so that what a command fails to
-    load is seen, further ones with all modules loaded, which saves most of a short one's time."""
+    load is seen, further ones with all modules loaded, which saves most of a short one's time.
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.known: set[str] = set()
+    Attributes:
+        folder: its own.
+        known: of all processes of tests, where the names of commands are kept that were run.
+    """
+
+    def __init__(self, folder: Path, known: Path) -> None:
+        self.folder, self.known = folder, known
+        known.mkdir(exist_ok=True)
         self.loaded: subprocess.Popen[str] | None = None
 
     def __call__(self, words: Sequence[str], cwd: Path) -> subprocess.CompletedProcess[str]:
-        name = words[0] if words else ""
-        if name in self.known and sys.platform == "linux":  # elsewhere a fork isn't safe
+        if sys.platform == "linux" and self._is_known(words[0] if words else "none"):  # elsewhere a fork isn't safe
             return self._forked(words, cwd)
-        self.known.add(name)
         pipe, whole = subprocess.PIPE, command(*words)
         return subprocess.run(
             whole, cwd=cwd, env=environment(), stdout=pipe, stderr=pipe, encoding="utf-8", timeout=LONGEST, check=False
         )
+
+    def _is_known(self, name: str) -> bool:
+        """Tell whether a command of this name was run before, in any process of tests; from now on it was."""
+        try:
+            (self.known / name.replace("/", " ")).touch(exist_ok=False)
+        except FileExistsError:
+            return True
+        return False
 
     def _forked(self, words: Sequence[str], cwd: Path) -> subprocess.CompletedProcess[str]:
         if self.loaded is None:
@@ -75,7 +86,9 @@ class Calls:
 def pipeclamp(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run]:
     """Give a function that runs a command and holds its exit status; nothing may ever be a traceback."""
     elsewhere = tmp_path_factory.mktemp("elsewhere")
-    calls = Calls(tmp_path_factory.mktemp("calls"))
+    folder = tmp_path_factory.mktemp("calls")
+    everybodys = tmp_path_factory.getbasetemp().parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+    calls = Calls(folder, everybodys / "called")
 
     def run(*words: str | Path, status: int = 0, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
         done = calls([str(word) for word in words], cwd or elsewhere)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -113,7 +114,9 @@ def test_what_is_wrong_is_named_from_a_record_alone(pipeclamp, tmp_path, write_l
     assert "damping" in found["parameters"]
     damping = next(entry for entry in found["candidates"] if entry["parameters"] == ["damping"])
     assert damping["nrmse"] < 0.2 * found["nrmse"]["stated"]
-    assert "% of critical instead of 2 % of critical" in done.stdout
+    (size,) = re.findall(r"([\d.]+) ± [\d.]+ % of critical instead of 2 % of critical", damping["values"])
+    assert float(size) == pytest.approx(4.0, rel=0.05)
+    assert f"{size} ± " in done.stdout
 
 
 def described(ratio):

@@ -38,7 +38,7 @@ BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
 }  # fmt: skip
-PLAN = replace(Plan(seed=11), rate=500.0, temperatures=(20.0,), repeats=1)
+PLAN = replace(Plan(seed=11), rate=500.0, frequencies=(1.0, 5.0), temperatures=(20.0,), repeats=1)
 
 
 @pytest.fixture(scope="module")

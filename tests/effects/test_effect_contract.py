@@ -7,7 +7,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +80,7 @@ def sines(A, f, T, samples=512):
     return replace(motion, slow={**motion.slow, **further})
 
 
-source = lru_cache(maxsize=1)(python_source)
+source = cache(python_source)
 """The text that goes into an FMU, made once for all values of a law."""
 
 

@@ -153,6 +153,9 @@ class Solution:
 _Corrected = tuple[Solution, Array, Array, int]
 """A point of a path, the derivatives next to it, and how many corrections it took."""
 
+_Refined = tuple[_Corrected, int]
+"""The same in as many unknowns as the point asks for or more, and how many that are."""
+
 
 def solve(equation: Equation, guess: Array, parameter: float, size: float, tolerance: float = 1e-8) -> Array | None:
     """Solve at one parameter by Newton's method from a guess, in as many unknowns as the solution asks for.
@@ -272,7 +275,7 @@ def follow(
         found = _corrected(equation, point, towards, step, scales, steps.tolerance)
         fitted = None if found is None else _refined(equation, point, towards, step, scales, found, steps.tolerance)
         if fitted is not None:
-            there, by_unknowns, by_parameter, corrections = fitted
+            (there, by_unknowns, by_parameter, corrections), asked = fitted
             largest = max(largest, float(np.abs(there.unknowns).max()))
             before = equation.resized(towards[:-1], there.unknowns.size)
             onwards = _direction(by_unknowns, by_parameter, largest, span)
@@ -305,7 +308,7 @@ def follow(
         yield point
         if equation.unbounded and equation.unbounded(point.unknowns, point.parameter):
             return
-        asked, finer = equation.asked(point.unknowns, point.parameter), None
+        finer = None
         if asked < point.unknowns.size:  # from here on fewer will do, or else the path goes on from as many
             finer = point, ahead
             point = replace(point, unknowns=equation.resized(point.unknowns, asked))
@@ -359,7 +362,7 @@ def crossing(equation: Equation, before: Solution, after: Solution) -> Solution 
         found = _corrected(equation, low, across, step, scales, Steps.tolerance)
         fitted = None if found is None else _refined(equation, low, across, step, scales, found, Steps.tolerance)
         if fitted is not None:
-            return fitted[0]
+            return fitted[0][0]
     return None
 
 
@@ -370,14 +373,14 @@ def _sign(equation: Equation, solution: Solution) -> float:
 
 def _refined(
     equation: Equation, point: Solution, ahead: Array, step: float, scales: Array, found: _Corrected, tolerance: float
-) -> _Corrected | None:
+) -> _Refined | None:
     """Give a point of the path in as many unknowns as it asks for; arguments as of `_corrected`, and what it gave."""
     result: _Corrected | None = found
     while result is not None:
         there = result[0]
         asked = equation.asked(there.unknowns, there.parameter)
         if asked <= there.unknowns.size:
-            return result
+            return result, asked
         point = Solution(point.parameter, equation.resized(point.unknowns, asked))
         ahead = np.append(equation.resized(ahead[:-1], asked), ahead[-1])
         scales = np.append(np.full(asked, scales[0]), scales[-1])

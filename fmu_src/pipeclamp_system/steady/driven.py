@@ -42,6 +42,9 @@ STICKING = 3
 """Times the fewest harmonics, in which a path of clamps that rub is followed that only leads somewhere: with fewer,
 what is balanced moves as far as a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
 
+RESPONSES_KEPT = 8
+"""Of a pipe, at the frequencies that were asked for last."""
+
 UNKNOWNS_OF_A_STEP, RUBBING_TIMES = 50, 10
 """Work of linearising the balance: so many unknowns cost as much as what is done whatever their number, and where sides
 are sought so many times as much (2 ms by 20 unknowns, 5 by 130, 30 by 40 with sides)."""
@@ -83,6 +86,7 @@ class DrivenPipe:
         observed = MM * np.vstack([self._shapes, probes])
         self._receptance = Receptance(self._stiffness, self._damping, loads, observed)
         self._modal = Receptance(self._stiffness, self._damping, loads, np.eye(modes))
+        self._responses: dict[tuple[bytes, int], ComplexArray] = {}
         self.told_harmonics = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
         self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
@@ -136,9 +140,17 @@ class DrivenPipe:
         return self.clamps * (2 * self.harmonics + 1)
 
     def responses(self, frequency: Array, harmonics: int | None = None) -> ComplexArray:
-        """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1)."""
-        orders = np.arange((self.harmonics if harmonics is None else harmonics) + 1)
-        return self._receptance.at(2 * pi * np.outer(frequency, orders))
+        """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1): read only.
+
+        What was asked for lately is kept: paths over the excitation's level stay at one frequency.
+        """
+        H = self.harmonics if harmonics is None else harmonics
+        asked = frequency.tobytes(), H
+        if asked not in self._responses:
+            if len(self._responses) == RESPONSES_KEPT:
+                self._responses.pop(next(iter(self._responses)))
+            self._responses[asked] = self._receptance.at(2 * pi * np.outer(frequency, np.arange(H + 1)))
+        return self._responses[asked]
 
     def unpacked(self, unknowns: Array) -> ComplexArray:
         """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""

@@ -94,17 +94,16 @@ def march(variants: Sequence[Variant], drive: Array, step: float, every: int, or
             free = (modal.transition @ given[:, :, None])[:, :, 0]
             force = 2 * now - before
             for _ in range(MOST_CORRECTIONS if clamps else 0):
-                moved = free[:, size:] + (modal.answers @ force[:, :, None])[:, :, 0]
+                moved = free[:, size:] + _pushed(modal.answers, force)
                 change = laws.correction(moved, force, modal.answers)
                 force = force + change
-                shift = (modal.answers @ change[:, :, None])[:, :, 0]
                 np.maximum(largest, np.abs(moved), out=largest)
-                if not np.any(np.abs(shift) > LAST_CORRECTION_SHARE * largest):
+                if not np.any(np.abs(_pushed(modal.answers, change)) > LAST_CORRECTION_SHARE * largest):
                     break
             if remember:
-                laws.accept(free[:, size:] + (modal.answers @ force[:, :, None])[:, :, 0])
+                laws.accept(free[:, size:] + _pushed(modal.answers, force))
             before, now = now, force
-            given[:, :size] = free[:, :size] + (modal.ends @ force[:, :, None])[:, :, 0]
+            given[:, :size] = free[:, :size] + _pushed(modal.ends, force)
             if index % every == 0:
                 kept[filled, :, :size], kept[filled, :, size:-1] = given[:, :size], now
                 kept[filled, :, -1] = drive[index]
@@ -115,6 +114,13 @@ def march(variants: Sequence[Variant], drive: Array, step: float, every: int, or
                 done, filled = done + filled, 0
     probes = len(orders)
     return MarchedModels(seen[:, :, :probes], seen[:, :, probes : probes + clamps], seen[:, :, probes + clamps :])
+
+
+def _pushed(answers: Array, force: Array) -> Array:
+    """Give what forces, (B, c), make by their answers, (B, m, c): (B, m). Products of one column need no matrices."""
+    if force.shape[1] == 1:
+        return np.asarray(answers[:, :, 0] * force)
+    return np.asarray((answers @ force[:, :, None])[:, :, 0])
 
 
 class _Modal:

@@ -21,6 +21,10 @@ RATE_STEP = 1e-5
 It is the time constant with which a slipping element reaches its limit; a stiffer one costs the integrator its digits.
 """
 
+NUDGE, LEAST_NUDGE = 1e-6, 1e-9
+"""By which share of its size an argument of a law is moved for a derivative, and at least: the integrator's corrections
+need no better one."""
+
 SOLVED = "Integration successful."
 """What SciPy says where its integration reached the end."""
 
@@ -47,6 +51,17 @@ class ClampEquations:
         """Give the rates of the history states: the update over a step so short that it is one."""
         after = self.step(self.coefficients, tuple(state), y - v * RATE_STEP, y, v, RATE_STEP)[2]
         return [(new - old) / RATE_STEP for new, old in zip(after, state, strict=True)]
+
+    def slopes(self, state: Sequence[float], y: float, v: float) -> Array:
+        """Give the derivatives of the force, then of the states' rates, by y, v and each state, (1 + J, 2 + J)."""
+        place, columns = [y, v, *state], []
+        here = [self.force(state, y, v), *self.rates(state, y, v)]
+        for index, value in enumerate(place):
+            nudge = max(NUDGE * abs(value), LEAST_NUDGE)
+            there = [*place[:index], value + nudge, *place[index + 1 :]]
+            moved = [self.force(there[2:], *there[:2]), *self.rates(there[2:], *there[:2])]
+            columns.append([(after - before) / nudge for after, before in zip(moved, here, strict=True)])
+        return np.array(columns).T
 
 
 def clamp_equations(law: Law, amplitude: float, frequency: float, temperature: float) -> ClampEquations:
@@ -103,25 +118,43 @@ def solve_monolithic(
     count = len(pipe.omega)
     ends = 2 * count + np.cumsum([0] + [len(clamp.start) for clamp in clamps])
     remembering = [(i, clamp, slice(ends[i], ends[i + 1])) for i, clamp in enumerate(clamps) if clamp.start]
-    # In one product: the rates without loads, then each clamp's displacement and velocity in mm and mm/s.
+    # In one product each: the clamps' displacements and velocities in mm and mm/s, and the rates under their forces.
     still, both = np.zeros_like(shapes), slice(0, 2 * count)
     motion = 1e3 * np.block([[shapes, still], [still, shapes]])
-    linear = np.vstack([np.block([[np.zeros((count, count)), np.eye(count)], [-stiffness, -damping]]), motion])
-    entering = np.vstack([participation, -shapes])
+    free = np.block([[np.zeros((count, count)), np.eye(count)], [-stiffness, -damping]])
+    entering = np.vstack([np.zeros((count, 1 + len(clamps))), np.vstack([participation, -shapes]).T])
+    linear = np.hstack([free, entering])
+    loaded = np.empty(2 * count + 1 + len(clamps))
 
     def clamp_forces(state: Array, y: Sequence[float], v: Sequence[float]) -> list[float]:
         return [clamp.force(state[ends[i] : ends[i + 1]].tolist(), y[i], v[i]) for i, clamp in enumerate(clamps)]
 
+    def clamp_motion(state: Array) -> tuple[list[float], list[float]]:
+        moved = (motion @ state[both]).tolist()
+        return moved[: len(clamps)], moved[len(clamps) :]
+
     def rates(t: float, state: Array) -> Array:
-        change = np.empty_like(state)
-        unloaded = linear @ state[both]
-        moved = unloaded[2 * count :].tolist()
-        y, v = moved[: len(clamps)], moved[len(clamps) :]
-        change[both] = unloaded[both]
-        change[count : 2 * count] += np.array([excitation(t), *clamp_forces(state, y, v)]) @ entering
-        for i, clamp, own in remembering:
-            change[own] = clamp.rates(state[own].tolist(), y[i], v[i])
-        return change
+        y, v = clamp_motion(state)
+        loaded[both] = state[both]
+        loaded[2 * count :] = [excitation(t), *clamp_forces(state, y, v)]
+        change = linear @ loaded
+        if not remembering:
+            return change
+        own = [clamp.rates(state[own].tolist(), y[i], v[i]) for i, clamp, own in remembering]
+        return np.concatenate([change, *own])
+
+    def slopes(t: float, state: Array) -> Array:
+        y, v = clamp_motion(state)
+        found = np.zeros((state.size, state.size))
+        found[both, both] = free
+        for i, clamp in enumerate(clamps):
+            own = slice(ends[i], ends[i + 1])
+            by_own = clamp.slopes(state[own].tolist(), y[i], v[i])
+            by_motion = by_own[:, :2] @ motion[[i, len(clamps) + i]]
+            found[both, both] += np.outer(entering[:, 1 + i], by_motion[0])
+            found[both, own] = np.outer(entering[:, 1 + i], by_own[0, 2:])
+            found[own, both], found[own, own] = by_motion[1:], by_own[1:, 2:]
+        return found
 
     start = np.concatenate([np.zeros(2 * count), *(np.array(clamp.start) for clamp in clamps)])
     # What counts as nothing: a nanometre of clamp motion in modal measure, a micronewton in the history states.
@@ -135,6 +168,7 @@ def solve_monolithic(
             rates,
             start,
             time,
+            Dfun=slopes,
             tfirst=True,
             full_output=True,
             rtol=relative_tolerance,

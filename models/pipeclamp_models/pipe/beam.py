@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from math import ceil, inf, sqrt
 
@@ -215,7 +216,7 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
     mass, stiffness = np.zeros((size, size)), np.zeros((size, size))
     straightening, crossing, outflow = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
     for element, own in zip(elements, places, strict=True):
-        parts = (element.stiffness(), *element.integrals(beam.mass_per_length, beam.rotary_inertia))
+        parts = _matrices(element, beam.mass_per_length, beam.rotary_inertia)
         for whole, part in zip((stiffness, mass, straightening, crossing), parts, strict=True):
             whole[np.ix_(own, own)] += part
     for place, end in ((0, 0), (1, -1)):
@@ -245,6 +246,12 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
         translation=translation[free],
         inertia=(mass @ translation)[free],
     )
+
+
+@lru_cache(maxsize=256)
+def _matrices(element: Element, mass_per_length: float, rotary_inertia: float) -> tuple[Array, ...]:
+    """Give an element's stiffness, then its `integrals`: most elements of a beam, and of its like, are the same."""
+    return element.stiffness(), *element.integrals(mass_per_length, rotary_inertia)
 
 
 def _places(elements: Sequence[Element]) -> list[IntArray]:

@@ -12,6 +12,7 @@ from banded import SPREAD, banded
 from pipeclamp.show.narrowing import beyond_words
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TEST
+from pipeclamp_identification.planning import narrowing
 from pipeclamp_identification.planning.band_plan import Map
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
 from pipeclamp_identification.planning.narrowing import plan_tests
@@ -92,13 +93,17 @@ def test_the_form_of_clamps_by_themselves_is_that_of_one_law():
 
 
 @pytest.mark.parametrize("spread", [SPREAD, None])
-def test_the_band_is_the_responses_and_narrows(tmp_path, spread):
+def test_the_band_is_the_responses_and_narrows(tmp_path, monkeypatch, spread):
     """With tests beyond the range that the motion leaves, and where the law's parameters alone count."""
     path = banded(tmp_path, 1.0, spread=spread)
     law = read_law(tmp_path / "law.json")
     limits = parse_limits("A=0.02..1,f=1..30,T=20..60")
+    responses = []
+    monkeypatch.setattr(
+        narrowing, "run_response", lambda *_, **__: responses.append(run_response(path)) or responses[0]
+    )
     plan = plan_tests(path, limits, at="clamp1", noise_N=1.0)
-    told = response_bands(path, run_response(path), 95.0).curves[0].peaks[0].amplitude
+    told = response_bands(path, responses[0], 95.0).curves[0].peaks[0].amplitude
     assert (plan.before.amplitude.low, plan.before.amplitude.high) == pytest.approx((told.low, told.high), rel=1e-9)
     widths = [band.high - band.low for band in (plan.before.amplitude, *(test.amplitude for test in plan.tests))]
     assert plan.tests

@@ -21,6 +21,7 @@ from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.summary import summary_of
 from pipeclamp_system.description.system import read_system
 from pipeclamp_system.response import dots as response_dots
+from pipeclamp_system.response import run
 from pipeclamp_system.response.dots import CLOSE_SHARE, Rest, co_simulated
 from pipeclamp_system.response.run import run_response
 from pipeclamp_system.response.summary import response_summary
@@ -125,7 +126,9 @@ def test_a_dot_off_the_curve_is_confirmed_by_a_finer_one(tmp_path: Path, monkeyp
 
 
 def test_a_dot_that_no_step_makes_right_is_marked_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
     monkeypatch.setattr(response_dots, "MOST_HALVINGS", 0)
+    monkeypatch.setattr(run, "run_response", lambda *given: found.append(run_response(*given)) or found[0])
     file = write_example(tmp_path, 1 / (64 * MET))
     ran = CliRunner().invoke(
         app, ["response", str(file), "-o", str(tmp_path / "r.csv"), "--report", str(tmp_path / "r.html")]
@@ -136,9 +139,7 @@ def test_a_dot_that_no_step_makes_right_is_marked_everywhere(tmp_path: Path, mon
     assert "NOT TO BE TRUSTED" in (tmp_path / "r.html").read_text(encoding="utf-8")
     table = pl.read_csv(tmp_path / "r.csv").filter(pl.col("kind") == "co-simulation")
     assert table["trusted"].to_list() == [0.0]
-    marked = [
-        trace for trace in response_picture(run_response(file), 0).data if "not to be trusted" in (trace.name or "")
-    ]
+    marked = [trace for trace in response_picture(found[0], 0).data if "not to be trusted" in (trace.name or "")]
     assert len(marked) == 1
     assert marked[0].marker.symbol == "x-thin-open"
 
