@@ -123,7 +123,7 @@ def _likely_beforehand(parameter: Parameter, value: float) -> bool:
 
 
 def _shapes(parameter: Parameter) -> bool:
-    """Tell whether a parameter says what form an effect has, not how much of it there is: an exponent, a way, a time."""
+    """Tell whether a parameter says what form an effect has, such as an exponent, a way, a time, not how much of it."""
     return not grows_with_force(parameter.unit)
 
 
