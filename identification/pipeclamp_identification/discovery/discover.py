@@ -82,7 +82,8 @@ class TermSearch:
         tried: terms that were evaluated.
         reason: why nothing is proposed; empty where something is.
         others: terms that passed in other places, for the best one may not hold on all tests.
-        instead: an effect of the catalogue that passes where no term does; None where there is none.
+        instead: an effect of the catalogue that passes, too, for no term may pass, or hold on all tests; None where
+            there is none.
     """
 
     diagnosed: RecordDiagnosed
@@ -91,6 +92,11 @@ class TermSearch:
     reason: str = ""
     others: tuple[TermFound, ...] = ()
     instead: EffectFound | None = None
+
+    @property
+    def passed(self) -> tuple[TermFound, ...]:
+        """Terms that passed, the best first."""
+        return (self.found, *self.others) if self.found and self.found.passed else ()
 
 
 def search(
@@ -159,8 +165,7 @@ def search(
         return TermSearch(found, None, len(every), catalogue_first(causes))
     instead = None
     # what is let pass asks for no effect: as form, or where the tests are too few to call the law complete
-    is_nameless = found.verdict == "unknown" and not is_adequate
-    if is_nameless and not any(one.passed for one in heard):
+    if found.verdict == "unknown" and not is_adequate:
         workers.tell("effects of the catalogue in the place of a term")
         instead = effect_instead(found.diagnosis, bar, problem, columns)
     if not heard:

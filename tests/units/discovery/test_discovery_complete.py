@@ -130,10 +130,10 @@ def test_where_the_best_term_does_not_hold_on_all_tests_the_next_is_put_in(tests
     monkeypatch.setattr(putting, "search", lambda *given, **named: found)
     monkeypatch.setattr(
         putting, "_put_in",
-        lambda one, search, *rest: SimpleNamespace(proposed=one.gone == (holding,), gone=search.found.gone),
+        lambda one, proposal, *rest: replace(proposal, declaration="put in" if one.gone == (holding,) else None),
     )  # fmt: skip
     result = putting.discover(None, RecordTests(tests), command="")
-    assert result.gone == (proposed,)
+    assert result.found.gone == (proposed,)
     assert result.proposed == bool(holding)
 
 
