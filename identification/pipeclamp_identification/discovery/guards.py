@@ -273,9 +273,10 @@ def not_in_the_catalogue(
 ) -> Guard:
     """Ask whether a term does better than each effect of the catalogue, beyond doubt: effects win ties.
 
-    But for those that no diagnosis names, for physics speaks against them: a user would be left with nothing. And for
-    those that need what the term stands in the place of beside them and that the diagnosis doesn't name: of laws that
-    do as well the shorter one stands.
+    But for those that no diagnosis names, with which a user would be left with nothing: where physics speaks against
+    them, or the fit to all tests tells for the term by `RIVAL_LIKELIHOOD`, as it tells between terms that foretell as
+    well. And for those that need what the term stands in the place of beside them and that the diagnosis doesn't name:
+    of laws that do as well the shorter one stands.
 
     Args:
         found: the law with the term.
@@ -300,13 +301,18 @@ def not_in_the_catalogue(
             words = f"the law does as well with {' and '.join(effect.effects)}, which it has"
         elif set(effect.effects) <= set(named):
             words += "; `add` it instead"
-        elif effect.objections:
-            words += f", though {effect.objections[0]}, for which no diagnosis names it"
-            if not surely_better(effect, found, problem):
+        else:
+            tie = not surely_better(effect, found, problem)
+            likelier = tie and found.akaike + RIVAL_LIKELIHOOD <= effect.akaike
+            if effect.objections:
+                words += f", though {effect.objections[0]}, for which no diagnosis names it"
+            elif likelier:
+                words += " on left-out conditions, but all together tell for the term, and no diagnosis names it"
+            else:
+                words += ", which the diagnosis doesn't name either: these tests don't tell"
+            if tie and (effect.objections or likelier):
                 nameless = nameless or f": {words}"
                 continue
-        else:
-            words += ", which the diagnosis doesn't name either: these tests don't tell"
         return Guard("beyond the catalogue", False, words)
     return Guard("beyond the catalogue", True, f"no effect that may be named does as well{nameless}")
 
