@@ -128,6 +128,7 @@ def test_an_effect_is_asked_where_something_is_missing_that_no_diagnosis_names(
     found = SimpleNamespace(verdict=verdict, kind=None, effects=(), diagnosis=diagnosis)
     effect = EffectFound(judged("quadratic_damping", TURNS, 0.0), ())
     monkeypatch.setattr(discover, "diagnosed", lambda *given, **named: found)
+    monkeypatch.setattr(discover, "kept_back", lambda loops, *given: np.arange(len(loops.rows)) % 5 == 2)
     monkeypatch.setattr(discover, "_asked", lambda *given: heard)
     monkeypatch.setattr(discover, "in_the_place_of_effects", lambda *given: [])
     monkeypatch.setattr(discover, "best_heard", lambda heard, problem: heard[0])
