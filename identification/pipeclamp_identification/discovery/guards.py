@@ -270,13 +270,14 @@ def not_in_the_catalogue(
     named: Collection[str] = (),
     own: bool = False,
     longer: Sequence[Judged] = (),
+    by_chance: float = 0.0,
 ) -> Guard:
     """Ask whether a term does better than each effect of the catalogue, beyond doubt: effects win ties.
 
     But for those that no diagnosis names, with which a user would be left with nothing: where physics speaks against
-    them, or the fit to all tests tells for the term by `RIVAL_LIKELIHOOD`, as it tells between terms that foretell as
-    well. And for those that need what the term stands in the place of beside them and that the diagnosis doesn't name:
-    of laws that do as well the shorter one stands.
+    them, or the fit to all tests tells for the term, as it tells between terms that foretell as well, and by more than
+    the best of so many would gain by chance. And for those that need what the term stands in the place of beside them
+    and that the diagnosis doesn't name: of laws that do as well the shorter one stands.
 
     Args:
         found: the law with the term.
@@ -285,6 +286,7 @@ def not_in_the_catalogue(
         named: effects that the law's diagnosis names, which alone are worth adding.
         own: whether the first of `listed` is the law itself, with the effects in whose place the term stands.
         longer: that law with effects beside all that it has.
+        by_chance: squares that the best of all terms explains by chance.
     """
     for effect in longer:
         tie = set(effect.effects) <= set(named) and not surely_better(found, effect, problem)
@@ -303,7 +305,7 @@ def not_in_the_catalogue(
             words += "; `add` it instead"
         else:
             tie = not surely_better(effect, found, problem)
-            likelier = tie and found.akaike + RIVAL_LIKELIHOOD <= effect.akaike
+            likelier = tie and found.akaike + max(RIVAL_LIKELIHOOD, by_chance) <= effect.akaike
             if effect.objections:
                 words += f", though {effect.objections[0]}, for which no diagnosis names it"
             elif likelier:
