@@ -21,6 +21,7 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.discovery.bases import (
     Basis,
     is_worth_effects,
@@ -59,7 +60,7 @@ from pipeclamp_models.realise.sizes import about
 MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
 KEPT_BACK = 5
-"""Of so many groups of A and f one is kept back from the search."""
+"""Of so many groups of A and f one is kept back from the search: of each five the third by what the law errs there."""
 MOST_RELATED = 5
 """Terms, best first, of which shorter ones are also fitted, for from few starts longer ones are screened better; and
 those that are the same while they are small, of which one alone stands for both where terms are screened."""
@@ -82,7 +83,8 @@ class TermSearch:
         tried: terms that were evaluated.
         reason: why nothing is proposed; empty where something is.
         others: terms that passed in other places, for the best one may not hold on all tests.
-        instead: an effect of the catalogue that passes where no term does; None where there is none.
+        instead: an effect of the catalogue that passes, too, for no term may pass, or hold on all tests; None where
+            there is none.
     """
 
     diagnosed: RecordDiagnosed
@@ -91,6 +93,11 @@ class TermSearch:
     reason: str = ""
     others: tuple[TermFound, ...] = ()
     instead: EffectFound | None = None
+
+    @property
+    def passed(self) -> tuple[TermFound, ...]:
+        """Terms that passed, the best first."""
+        return (self.found, *self.others) if self.found and self.found.passed else ()
 
 
 def search(
@@ -133,8 +140,7 @@ def search(
     if leaves_scatter and not structure.effects:
         return TermSearch(found, None, 0, NOTHING_MISSING)
     loops = _by_name(loops)
-    groups = condition_groups(loops)
-    kept = groups % KEPT_BACK == KEPT_BACK // 2
+    kept = kept_back(loops, found.diagnosis)
     problem, law = _weighed(structure, _rows(loops, ~kept), law_of(file).values)
     present = {declaration.id for declaration in structure.declared}
     every = [term for term in terms_asked(problem) if term.declaration.id not in present]
@@ -159,8 +165,7 @@ def search(
         return TermSearch(found, None, len(every), catalogue_first(causes))
     instead = None
     # what is let pass asks for no effect: as form, or where the tests are too few to call the law complete
-    is_nameless = found.verdict == "unknown" and not is_adequate
-    if is_nameless and not any(one.passed for one in heard):
+    if found.verdict == "unknown" and not is_adequate:
         workers.tell("effects of the catalogue in the place of a term")
         instead = effect_instead(found.diagnosis, bar, problem, columns)
     if not heard:
@@ -172,6 +177,24 @@ def search(
     others = sorted((one for one in heard if one.passed and one is not best), key=lambda one: one.judged.squares)
     reason = f"{result.term.acts_like}: {failed.words}" if failed else ""
     return TermSearch(found, result, len(every), reason, tuple(others), instead)
+
+
+def kept_back(loops: Loops, diagnosis: Diagnosis) -> BoolArray:
+    """Tell which runs are kept back from the search, shape (R,): of groups on which the law errs much, and little.
+
+    By number they may be those that the law foretells well as it is, which confirm nothing, or the one that shows most
+    of what is missing. Which they are, the law tells without any term.
+
+    Args:
+        loops: the tests.
+        diagnosis: of the law on the same runs, in any order and in parts.
+    """
+    groups = condition_groups(loops)
+    runs, of_run = np.unique(diagnosis.problem.loops.run, return_inverse=True)
+    by_run = dict(zip(runs, np.bincount(of_run, weights=diagnosis.law.score.squares), strict=True))
+    by_group = np.bincount(groups, weights=[by_run[run] for run in loops.run])
+    worst_first = np.argsort(np.argsort(-by_group, kind="stable"))
+    return np.asarray(worst_first[groups] % KEPT_BACK == KEPT_BACK // 2)
 
 
 def terms_asked(problem: Problem) -> list[Term]:

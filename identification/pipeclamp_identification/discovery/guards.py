@@ -270,12 +270,14 @@ def not_in_the_catalogue(
     named: Collection[str] = (),
     own: bool = False,
     longer: Sequence[Judged] = (),
+    by_chance: float = 0.0,
 ) -> Guard:
     """Ask whether a term does better than each effect of the catalogue, beyond doubt: effects win ties.
 
-    But for those that no diagnosis names, for physics speaks against them: a user would be left with nothing. And for
-    those that need what the term stands in the place of beside them and that the diagnosis doesn't name: of laws that
-    do as well the shorter one stands.
+    But for those that no diagnosis names, with which a user would be left with nothing: where physics speaks against
+    them, or the fit to all tests tells for the term, as it tells between terms that foretell as well, and by more than
+    the best of so many would gain by chance. And for those that need what the term stands in the place of beside them
+    and that the diagnosis doesn't name: of laws that do as well the shorter one stands.
 
     Args:
         found: the law with the term.
@@ -284,6 +286,7 @@ def not_in_the_catalogue(
         named: effects that the law's diagnosis names, which alone are worth adding.
         own: whether the first of `listed` is the law itself, with the effects in whose place the term stands.
         longer: that law with effects beside all that it has.
+        by_chance: squares that the best of all terms explains by chance.
     """
     for effect in longer:
         tie = set(effect.effects) <= set(named) and not surely_better(found, effect, problem)
@@ -300,13 +303,18 @@ def not_in_the_catalogue(
             words = f"the law does as well with {' and '.join(effect.effects)}, which it has"
         elif set(effect.effects) <= set(named):
             words += "; `add` it instead"
-        elif effect.objections:
-            words += f", though {effect.objections[0]}, for which no diagnosis names it"
-            if not surely_better(effect, found, problem):
+        else:
+            tie = not surely_better(effect, found, problem)
+            likelier = tie and found.akaike + max(RIVAL_LIKELIHOOD, by_chance) <= effect.akaike
+            if effect.objections:
+                words += f", though {effect.objections[0]}, for which no diagnosis names it"
+            elif likelier:
+                words += " on left-out conditions, but all together tell for the term, and no diagnosis names it"
+            else:
+                words += ", which the diagnosis doesn't name either: these tests don't tell"
+            if tie and (effect.objections or likelier):
                 nameless = nameless or f": {words}"
                 continue
-        else:
-            words += ", which the diagnosis doesn't name either: these tests don't tell"
         return Guard("beyond the catalogue", False, words)
     return Guard("beyond the catalogue", True, f"no effect that may be named does as well{nameless}")
 

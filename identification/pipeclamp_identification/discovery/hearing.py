@@ -261,15 +261,15 @@ class Hearing:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.bar.law, self.evaluation.problem
         found, place = best.judged, self.refitted.index(best)
-        replaced = [replace(law, effects=self.gone)] if self.gone else []
+        replaced, by_chance = [replace(law, effects=self.gone)] if self.gone else [], self.by_chance(place)
         guards = (
-            beyond_chance(float(self.explained[place]), self.by_chance(place)),
+            beyond_chance(float(self.explained[place]), by_chance),
             comes_back([one.judged for one in self.refitted], self.returning(place), problem.groups),
             beyond_the_tests(law, found, problem),
             confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
             not_in_the_catalogue(
                 found, [*replaced, *self.catalogue], problem, named=self.bar.named, own=bool(replaced),
-                longer=self.bar.listed if self.gone else (),
+                longer=self.bar.listed if self.gone else (), by_chance=by_chance,
             ),
         )  # fmt: skip
         rivals = self.rivals_of(best, rivals)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.discovery.discover import TermSearch, search
+from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
 from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import TermProposal, refused, renamed, with_fitted
@@ -33,8 +33,8 @@ def discover(
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
     Effects that the law does as well without, now that it has the term, go: a part may have stood for it. Where the law
-    with the best term doesn't hold on all tests, what passed in another place is put in. Where no term passes, an
-    effect of the catalogue does that passes what a term is asked, as a part.
+    with the best term doesn't hold on all tests, what passed in another place is put in; where no term does, an effect
+    of the catalogue that passes what a term is asked, as a part.
 
     Args:
         file: the law.
@@ -51,22 +51,20 @@ def discover(
     found = search(file, tests.sines, tests.loops, declared=declared, workers=workers)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
-    if found.found is None or not found.found.passed:
-        none = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
-        return _with_effect_instead(none, tests, command, declared, workers)
+    none = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
     refusals = []
-    for one in (found.found, *found.others):
-        proposal = _put_in(one, replace(found, found=one), file, tests, command, declared, workers)
+    for one in found.passed:
+        blank = replace(none, search=replace(found, found=one), guards=one.guards)
+        proposal = _put_in(one, blank, tests, command, declared, workers)
         if proposal.proposed:
             return proposal
         refusals.append(proposal)
-    return refusals[0]
+    return _with_effect_instead(refusals[0] if refusals else none, tests, command, declared, workers)
 
 
 def _put_in(
     best: TermFound,
-    found: TermSearch,
-    file: LawFile,
+    proposal: TermProposal,
     tests: RecordTests,
     command: str,
     declared: Collection[Declaration],
@@ -76,11 +74,10 @@ def _put_in(
 
     Args:
         best: the term.
-        found: the search, with it.
-        file, tests, command, declared, workers: as for `discover`.
+        proposal: nothing proposed, after the search that found it.
+        tests, command, declared, workers: as for `discover`.
     """
-    noise, guards = found.diagnosed.comparison.known_noise, best.guards
-    proposal = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+    file = proposal.before
     workers.tell("refit with the term to all tests")
     asked, values = best.term.declaration, dict(best.judged.result.law.values)
     term = renamed(asked, {*law_of(file).equations.names, *symbols_taken()})
@@ -96,13 +93,16 @@ def _put_in(
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
     gone = (*best.gone, *(change.step.effect for change in steps[1:]))
-    return TermProposal(found, file, law, _left_out_errors(steps), noise, declaration, (*guards, *asked_last), "", gone)
+    return replace(
+        proposal, after=law, heldout=_left_out_errors(steps), declaration=declaration,
+        guards=(*best.guards, *asked_last), spare=gone,
+    )  # fmt: skip
 
 
 def _with_effect_instead(
     none: TermProposal, tests: RecordTests, command: str, declared: Collection[Declaration], workers: Workers
 ) -> TermProposal:
-    """Put an effect of the catalogue into a law, as a part, that passed where no term did, if it holds on all tests."""
+    """Put an effect of the catalogue into a law, as a part, where one passed and it holds on all tests."""
     one, file = none.search.instead, none.before
     if one is None:
         return none

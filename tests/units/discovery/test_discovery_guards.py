@@ -122,8 +122,9 @@ def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(obj
     So they had been to add what the law has already, and what its diagnosis didn't name.
     """
     squares = np.full(12, 100.0)
-    effect = SimpleNamespace(effects=("oil_damper",), objections=objection, score=SimpleNamespace(squares=squares))
-    found = SimpleNamespace(score=SimpleNamespace(squares=squares + 1.0))
+    score = SimpleNamespace(squares=squares)
+    effect = SimpleNamespace(effects=("oil_damper",), objections=objection, score=score, akaike=600.0)
+    found = SimpleNamespace(score=SimpleNamespace(squares=squares + 1.0), akaike=598.0)
     guard = not_in_the_catalogue(
         found, [effect], SimpleNamespace(groups=np.repeat(np.arange(6), 2)), named=named, own=own
     )
@@ -140,11 +141,36 @@ def test_an_effect_that_physics_speaks_against_wins_no_tie(better, passes):
     """
     squares = np.full(12, 100.0)
     score = SimpleNamespace(squares=squares - better)
-    effect = SimpleNamespace(effects=("oil_damper",), objections=("k ran into its bound (9)",), score=score)
-    found = SimpleNamespace(score=SimpleNamespace(squares=squares + np.repeat([1.0, -1.0], 6)))
+    effect = SimpleNamespace(effects=("oil_damper",), objections=("k ran into its bound (9)",), score=score, akaike=0.0)
+    found = SimpleNamespace(score=SimpleNamespace(squares=squares + np.repeat([1.0, -1.0], 6)), akaike=0.0)
     guard = not_in_the_catalogue(found, [effect], SimpleNamespace(groups=np.repeat(np.arange(6), 2)))
     assert guard.passed == passes
     assert "oil_damper of the catalogue does as well, though k ran into its bound (9)" in guard.words
+
+
+@pytest.mark.parametrize(
+    ("akaike", "named", "better", "by_chance", "passes"),
+    [
+        (-1000.0, (), 0.0, 40.0, True),
+        (-1000.0, ("stribeck",), 0.0, 40.0, False),
+        (-1000.0, (), 50.0, 40.0, False),
+        (-5.0, (), 0.0, 0.0, False),
+        (-30.0, (), 0.0, 40.0, False),  # the best of a thousand terms would come to this beside the truth
+    ],
+)
+def test_of_a_term_and_an_effect_that_no_diagnosis_names_the_likelier_stands(akaike, named, better, by_chance, passes):
+    """Behind a grease one group decided two thirds of the squares, and a term failed that tied with `stribeck`."""
+    groups = np.repeat(np.arange(6), 2)
+    squares = np.full(12, 100.0)
+    turns = np.where(groups % 2, 1.0, -1.0)
+    score = SimpleNamespace(squares=squares - better)
+    effect = SimpleNamespace(effects=("stribeck",), objections=(), score=score, akaike=0.0)
+    found = SimpleNamespace(score=SimpleNamespace(squares=squares + turns), akaike=akaike)
+    guard = not_in_the_catalogue(
+        found, [effect], SimpleNamespace(groups=groups), named=named, by_chance=by_chance
+    )  # fmt: skip
+    assert guard.passed == passes
+    assert ("stribeck of the catalogue does as well on left-out conditions, but" in guard.words) == passes
 
 
 def test_what_only_adds_to_a_term_that_failed_is_not_asked_after_it():
