@@ -69,6 +69,9 @@ MOST_HEARD = 3
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
 
+SEVERAL = 2
+"""Effects by which a law that leaves scatter only may owe this to what they stand for together: one is what it is."""
+
 NOTHING_MISSING = "nothing is missing: what the law leaves over is scatter"
 NOTHING_BETTER = f"{NOTHING_MISSING}, and no term does better in the place of its effects"
 
@@ -110,7 +113,7 @@ def search(
 ) -> TermSearch:
     """Search the grammar for a term that a law lacks.
 
-    Of a law that leaves scatter only, a term is sought in the place of its effects: several may stand for one. Where
+    Of a law that leaves scatter only, a term is sought in the place of several effects, which may stand for one. Where
     one of several effects is missing and the tests can't tell which, a term that betters all of them is what is.
 
     Args:
@@ -131,13 +134,13 @@ def search(
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     found = diagnosed(file, campaign, loops, declared=declared, workers=workers)
-    causes = found.effects if found.kind == "cause" else ()
+    causes = found.effects if found.kind == "cause" or leaves_scatter_with_one(found) else ()
     if len(causes) == 1:
         return TermSearch(found, None, 0, catalogue_first(causes))
     structure = structure_of(file).with_declared(declared)
     is_adequate = found.diagnosis.is_adequate(found.diagnosis.law)
     leaves_scatter = found.verdict == "complete" and is_adequate
-    if leaves_scatter and not structure.effects:
+    if leaves_scatter and len(structure.effects) < SEVERAL:
         return TermSearch(found, None, 0, NOTHING_MISSING)
     loops = _by_name(loops)
     kept = kept_back(loops, found.diagnosis)
@@ -195,6 +198,12 @@ def kept_back(loops: Loops, diagnosis: Diagnosis) -> BoolArray:
     by_group = np.bincount(groups, weights=[by_run[run] for run in loops.run])
     worst_first = np.argsort(np.argsort(-by_group, kind="stable"))
     return np.asarray(worst_first[groups] % KEPT_BACK == KEPT_BACK // 2)
+
+
+def leaves_scatter_with_one(found: RecordDiagnosed) -> bool:
+    """Tell whether a law leaves scatter only with the one effect that is named: as a part, too, that is enough."""
+    named = (one for one in found.diagnosis.candidates if one.effects == found.effects)
+    return found.verdict == "missing" and len(found.effects) == 1 and any(map(found.diagnosis.is_adequate, named))
 
 
 def terms_asked(problem: Problem) -> list[Term]:

@@ -39,6 +39,7 @@ def tests(tmp_path_factory):
     ("effects", "leaves_scatter", "places"),
     [
         ((), True, []),
+        (PARTS[:1], True, []),  # a term of the form that the effect has had taken its place, and foretold no better
         (PARTS, True, [PARTS[1:], PARTS]),  # called complete, it had been left alone
         (PARTS, False, [(), PARTS[1:], PARTS]),  # complete but for its form
     ],
@@ -64,7 +65,7 @@ def test_of_a_complete_law_a_term_is_sought_in_the_place_of_its_effects(
     assert asked == places
     assert result.found is None
     assert result.reason.startswith("nothing is missing") == leaves_scatter
-    assert ("in the place of its effects" in result.reason) == (leaves_scatter and bool(effects))
+    assert ("in the place of its effects" in result.reason) == (leaves_scatter and len(effects) > 1)
 
 
 @pytest.mark.parametrize(
@@ -95,6 +96,31 @@ def test_where_tests_tell_no_cause_from_another_a_term_may_better_both(
     assert reason in result.reason
     assert bool(result.reason) == bool(reason)
     assert (result.found is found) == (passes and bool(asked))
+
+
+@pytest.mark.parametrize(("leaves_scatter", "asked"), [(True, 0), (False, 1)])
+def test_a_part_with_which_only_scatter_is_left_comes_before_any_term(tests, leaves_scatter, asked, monkeypatch):
+    """A stop that is rounder than the catalogue's was given as a spring, beside which nothing is left either."""
+    with_it, law = SimpleNamespace(effects=("end_stop",)), SimpleNamespace(effects=())
+    diagnosis = SimpleNamespace(
+        law=law, is_adequate=lambda judged: judged is with_it and leaves_scatter, candidates=(with_it,)
+    )
+    named = SimpleNamespace(verdict="missing", kind="part", effects=("end_stop",), diagnosis=diagnosis)
+    searched = []
+    monkeypatch.setattr(discover, "diagnosed", lambda *given, **named_too: named)
+    monkeypatch.setattr(discover, "kept_back", lambda loops, *given: np.arange(len(loops.rows)) % 5 == 2)
+    monkeypatch.setattr(discover, "judge", lambda *given: SimpleNamespace())
+    monkeypatch.setattr(discover, "_weighed", lambda *given: (SimpleNamespace(loops=None), law))
+    monkeypatch.setattr(discover, "terms_asked", lambda problem: [])
+    monkeypatch.setattr(discover, "to_better", lambda *given: [])
+    monkeypatch.setattr(discover, "Evaluation", lambda *given: None)
+    monkeypatch.setattr(discover, "all_columns", lambda *given: [])
+    monkeypatch.setattr(discover, "_asked", lambda *given: searched.append(1) or "none")
+    monkeypatch.setattr(discover, "in_the_place_of_effects", lambda *given: [])
+    file = law_file(identify(tests, Structure("power")), tests, name="law", provenance=Provenance("part"))
+    result = discover.search(file, tests, workers=ALONE)
+    assert len(searched) == asked
+    assert ("end_stop; `add` it first" in result.reason) == leaves_scatter
 
 
 def test_a_term_must_better_every_effect_that_may_be_the_cause():
