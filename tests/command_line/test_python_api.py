@@ -111,11 +111,21 @@ def without_two_runs(campaign, folder):
         ({"freeze": ["k10"]}, "expected numbers by name, such as"),
         ({"freeze": {"c0": -1.0}}, "freeze: got c0=-1; expected at least 0"),
         ({"method": "both"}, "method: got 'both'; expected joint or surfaces"),
+        ({"base": None}, "base: got None; expected text such as 'power'"),
     ],
 )
 def test_what_a_fit_is_told_is_checked(tests, given, told):
     with pytest.raises(pc.UserError, match=told):
         pc.identify(tests, **given)
+
+
+def test_text_is_asked_for_as_text(law, tests, tmp_path):
+    with pytest.raises(pc.UserError, match=r"limits: got \{'A': 2\}; expected text such as 'A="):
+        pc.diagnose(law, tests, limits={"A": 2})
+    with pytest.raises(pc.UserError, match="limits: got 5; expected text such as 'A="):
+        pc.plan_campaign(limits=5)
+    with pytest.raises(pc.UserError, match="columns: got 5; expected text such as 'time="):
+        pc.import_files(tmp_path, tmp_path / "c", columns=5)
 
 
 def test_no_campaign_is_written_in_a_format_that_isnt_read(law, tmp_path):

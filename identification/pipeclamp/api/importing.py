@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from pipeclamp.api.shown import PathOrName, Shown, path_of
+from pipeclamp.api.shown import PathOrName, Shown, path_of, text_of
 from pipeclamp.api.tests import Tests, read_campaign
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.writing import Format
@@ -137,9 +137,9 @@ def import_files(
     paths = [Path(path_of(one, "a file")) for one in given]
     if not paths:
         raise UserError("got no file; expected test machines' files, or a folder of them")
-    stated = (
-        ",".join(f"{ours}={channel}" for ours, channel in columns.items()) if isinstance(columns, Mapping) else columns
-    )
+    if isinstance(columns, Mapping):
+        columns = ",".join(f"{ours}={channel}" for ours, channel in columns.items())
+    stated = text_of(columns, "columns", "time=Zeit [ms],force=Last [kN]")
     table = None if conditions is None else Path(path_of(conditions, "a table of conditions"))
     options = stated_options(stated, pattern, table, rate, leave_out=lambda unusable: skip_unusable)
     request = ImportRequest(

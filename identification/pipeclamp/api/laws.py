@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pipeclamp.api.diagnosis import Diagnosis
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, called_from_python, numbers_by_name, path_of, several
+from pipeclamp.api.shown import PathOrName, called_from_python, numbers_by_name, path_of, several, text_of
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.change import add_effects, remove_effect
@@ -61,7 +61,7 @@ def identify(
     effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
     held = tuple(sorted(numbers_by_name(freeze, "freeze", '{"alpha0": 0.4}').items()))
-    structure = Structure(base, tuple(names), held).with_declared(declarations)
+    structure = Structure(text_of(base, "base", "power"), tuple(names), held).with_declared(declarations)
     found = tests.tests.identify(structure, method=method, progress=progress)
     called = f"{_read(tests)}, effects={[fspath(effect) for effect in effects]!r}, base={base!r}"
     return Law(found.file(name=name or tests.name, provenance=Provenance(f"pc.identify({called})")))
@@ -100,7 +100,7 @@ def identify_per(
     tests = tested(tests)
     effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
-    structure = Structure(base, tuple(names)).with_declared(declarations)
+    structure = Structure(text_of(base, "base", "power"), tuple(names)).with_declared(declarations)
     laws = fitted(tests.tests, column, structure, progress=progress)
     shown = [fspath(effect) for effect in effects]
     called = f"pc.identify_per({_read(tests)}, {column!r}, effects={shown!r}, base={base!r})"

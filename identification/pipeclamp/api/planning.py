@@ -15,6 +15,7 @@ from pipeclamp.api.shown import (
     number_of,
     number_or_none,
     path_of,
+    text_of,
 )
 from pipeclamp.show.campaign_plan import campaign_plan_view
 from pipeclamp.show.narrowing import band_plan_view
@@ -153,7 +154,7 @@ def plan_campaign(
     >>> plan_campaign(hours=0.15, limits="A=0.2..1,f=1..6,T=20..20")
     <campaign of 11 runs in 0.107 h>
     """
-    reach = parse_limits(limits) if limits else None
+    reach = parse_limits(text_of(limits, "limits", "A=0.1..2,f=0.5..20,T=20..300")) if limits else None
     times = RigTimes(number_of(heating, "heating"), number_of(soak, "soak"), number_of(pause, "pause"))
     asked = campaign.PlanRequest(
         number_of(hours, "hours"), number_of(force_noise, "force_noise"), number_of(scatter, "scatter"), times=times,
@@ -184,7 +185,7 @@ def plan(
     >>> plan("system.toml", limits="A=0.1..1,f=1..10,T=20..200")  # doctest: +SKIP
     <loop tests for cantilever: 2>
     """
-    reach = parse_limits(limits) if limits else None
+    reach = parse_limits(text_of(limits, "limits", "A=0.1..2,f=0.5..20,T=20..300")) if limits else None
     path = Path(path_of(system, "the description of a system"))
     noise = number_or_none(force_noise, "force_noise")
     return LoopTests(

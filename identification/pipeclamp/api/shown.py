@@ -38,6 +38,17 @@ def path_of(given: object, what: str) -> str:
     raise UserError(f"got {given!r}; expected {what}, or its path or name")
 
 
+def text_of(given: object, what: str, example: str) -> str:
+    """Give what a user stated as text.
+
+    Raises:
+        UserError: it is none; what it is of is named in the error, with an example of what was expected.
+    """
+    if isinstance(given, str):
+        return given
+    raise UserError(f"{what}: got {given!r}; expected text such as {example!r}")
+
+
 def number_of(given: object, what: str, unit: str = "") -> float:
     """Give a number that a user stated; what it is of, and in which unit, is named in the error.
 
