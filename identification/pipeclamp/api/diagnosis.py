@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown, called_from_python, frame_of, processes, text_of
+from pipeclamp.api.shown import PathOrName, Shown, called_from_python, frame_of, limits_of, processes
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.drive import write_drive
-from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.climb import Settled
 from pipeclamp_identification.workflow.next_command import NEXT_TEST, next_command
@@ -180,7 +179,7 @@ def diagnose(
     """
     known, tests = opened(law), tested(tests)
     own = {fspath(path): read_declaration(Path(path)) for path in declared}
-    reach = parse_limits(text_of(limits, "limits", "A=0.1..2,f=0.5..20,T=20..300")) if limits else None
+    reach = limits_of(limits)
     workers = Workers(processes(jobs), progress)
     if auto:
         command = f"pc.diagnose({known.name!r}, {tests.name!r}, auto=True)"

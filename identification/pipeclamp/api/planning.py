@@ -12,16 +12,15 @@ from pipeclamp.api.shown import (
     called_from_python,
     count_of,
     frame_of,
+    limits_of,
     number_of,
     number_or_none,
     path_of,
-    text_of,
 )
 from pipeclamp.show.campaign_plan import campaign_plan_view
 from pipeclamp.show.narrowing import band_plan_view
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.drive import write_drive
-from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.planning import campaign
 from pipeclamp_identification.planning.band_plan import BandPlan
 from pipeclamp_identification.planning.campaign import CampaignPlan
@@ -154,7 +153,7 @@ def plan_campaign(
     >>> plan_campaign(hours=0.15, limits="A=0.2..1,f=1..6,T=20..20")
     <campaign of 11 runs in 0.107 h>
     """
-    reach = parse_limits(text_of(limits, "limits", "A=0.1..2,f=0.5..20,T=20..300")) if limits else None
+    reach = limits_of(limits)
     times = RigTimes(number_of(heating, "heating"), number_of(soak, "soak"), number_of(pause, "pause"))
     asked = campaign.PlanRequest(
         number_of(hours, "hours"), number_of(force_noise, "force_noise"), number_of(scatter, "scatter"), times=times,
@@ -185,7 +184,7 @@ def plan(
     >>> plan("system.toml", limits="A=0.1..1,f=1..10,T=20..200")  # doctest: +SKIP
     <loop tests for cantilever: 2>
     """
-    reach = parse_limits(text_of(limits, "limits", "A=0.1..2,f=0.5..20,T=20..300")) if limits else None
+    reach = limits_of(limits)
     path = Path(path_of(system, "the description of a system"))
     noise = number_or_none(force_noise, "force_noise")
     return LoopTests(

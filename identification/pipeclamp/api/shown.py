@@ -19,6 +19,7 @@ from pipeclamp_models.base.errors import UserError
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Report
+    from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_models.base.tables import pl
 
 LEFT = "text-align: left"
@@ -47,6 +48,17 @@ def text_of(given: object, what: str, example: str) -> str:
     if isinstance(given, str):
         return given
     raise UserError(f"{what}: got {given!r}; expected text such as {example!r}")
+
+
+def limits_of(given: object) -> Limits | None:
+    """Give what a user stated that the rig can do; None for nothing.
+
+    Raises:
+        UserError: it is no text, or none of limits.
+    """
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+
+    return parse_limits(text_of(given, "limits", "A=0.1..2,f=0.5..20,T=20..300")) if given else None
 
 
 def number_of(given: object, what: str, unit: str = "") -> float:
