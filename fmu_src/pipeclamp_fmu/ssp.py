@@ -13,7 +13,7 @@ from pipeclamp_fmu.describe.ssv import element, parameter_set, written
 from pipeclamp_fmu.python.packing import zipped
 from pipeclamp_models.base.archive import read_part
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.files import plain_stems, write_whole
 
 PARAMETER_SET = "parameters"
 """Name of every component's parameter set: masters that choose sets by name take one name for all components."""
@@ -62,11 +62,12 @@ def write_ssp(structure: SystemStructure, output: Path) -> None:
     Raises:
         UserError: an FMU is not of FMI 2.0, or the file can't be written.
     """
-    files = {"SystemStructure.ssd": _description(structure)}
-    for component in structure.components:
-        files[f"resources/{component.name}.fmu"] = component.fmu.read_bytes()
+    places = [f"resources/{stem}" for stem in plain_stems([one.name for one in structure.components])]
+    files = {"SystemStructure.ssd": _description(structure, places)}
+    for component, place in zip(structure.components, places, strict=True):
+        files[f"{place}.fmu"] = component.fmu.read_bytes()
         if component.parameters:
-            files[f"resources/{component.name}.ssv"] = parameter_set(PARAMETER_SET, component.parameters)
+            files[f"{place}.ssv"] = parameter_set(PARAMETER_SET, component.parameters)
     write_whole(output, zipped(files))
 
 
@@ -107,18 +108,18 @@ def _ports(fmu: Path) -> tuple[list[_Port], dict[str, Mapping[str, str]]]:
     return ports, units
 
 
-def _description(structure: SystemStructure) -> bytes:
+def _description(structure: SystemStructure, places: Sequence[str]) -> bytes:
     named = {"name": identifier(structure.name), "description": structure.name}
     root = element(None, "ssd:SystemStructureDescription", {"version": "1.0", **named})
     system = element(root, "ssd:System", {"name": "system"})
     connected = {end for _, end in structure.connections}
     elements = element(system, "ssd:Elements", {})
     units: dict[str, Mapping[str, str]] = {}
-    for component in structure.components:
+    for component, place in zip(structure.components, places, strict=True):
         listed = element(elements, "ssd:Component", {
             "name": component.name,
             "type": "application/x-fmu-sharedlibrary",
-            "source": f"resources/{component.name}.fmu",
+            "source": f"{place}.fmu",
             "implementation": "CoSimulation",
         })  # fmt: skip
         connectors = element(listed, "ssd:Connectors", {})
@@ -132,7 +133,7 @@ def _description(structure: SystemStructure) -> bytes:
                 units.setdefault(port.unit, defined[port.unit])
         if component.parameters:
             bindings = element(listed, "ssd:ParameterBindings", {})
-            element(bindings, "ssd:ParameterBinding", {"source": f"resources/{component.name}.ssv"})
+            element(bindings, "ssd:ParameterBinding", {"source": f"{place}.ssv"})
     connections = element(system, "ssd:Connections", {})
     for (start, output), (end, into) in structure.connections:
         element(connections, "ssd:Connection", {

@@ -120,3 +120,19 @@ def test_clamps_may_be_called_as_the_pipe_and_the_excitation(folder, pipe_text, 
     assert elements == ["excitation", "pipe__", "Pipe", "pipe_"]
     ends = {(entry.get("startElement"), entry.get("endElement")) for entry in description.iter()}
     assert {("excitation", "pipe__"), ("pipe__", "Pipe"), ("pipe_", "pipe__")} <= ends
+
+
+def test_clamps_whose_names_are_alike_on_windows_have_files_of_their_own(folder, pipe_text, tmp_path):
+    """`a` and `A` are one file there, and `con` is none."""
+    text = pipe_text("pipe").replace('"clamp1"', '"con"').replace('"clamp2"', '"Con"')
+    (tmp_path / "pipe.toml").write_text(text, encoding="utf-8")
+    system = SYSTEM.format(stop=0.001, step=1e-4).replace('"clamp1"', '"con"').replace('"clamp2"', '"Con"')
+    (tmp_path / "system.toml").write_text(system.replace("softer.json", str(folder / "softer.json")), encoding="utf-8")
+    write_system(tmp_path / "system.toml", tmp_path / "system.ssp", PYTHON)
+    with zipfile.ZipFile(tmp_path / "system.ssp") as archive:
+        names = archive.namelist()
+        description = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    parts = {entry.get("name"): entry.get("source") for entry in description.iter() if entry.get("source")}
+    assert (parts["con"], parts["Con"]) == ("resources/con_.fmu", "resources/Con__.fmu")
+    assert {"resources/con_.ssv", "resources/Con__.ssv", *filter(None, parts.values())} <= set(names)
+    assert len({name.casefold() for name in names}) == len(names)

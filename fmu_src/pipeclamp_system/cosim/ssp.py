@@ -81,7 +81,7 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = sil
 
 
 def _untaken(name: str, description: SystemDescription) -> str:
-    """Give a name that no clamp has, in whatever case: files in an SSP are called after elements, and unpacked."""
+    """Give a name that no clamp has, in whatever case, so that nobody takes one for the other."""
     taken = {clamp.at.casefold() for clamp in description.clamps}
     while name in taken:
         name += "_"

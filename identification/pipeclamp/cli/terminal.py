@@ -295,15 +295,18 @@ def values_in(text: str, option: str) -> dict[str, float]:
     """Give the numbers that commas separate, by name.
 
     Raises:
-        UsageError: not all are name=number; it says the option.
+        UsageError: not all are name=number, or a name comes twice; it says the option.
     """
     values: dict[str, float] = {}
     for entry in names_in(text):
-        name, equals, number = entry.partition("=")
+        before, equals, number = entry.partition("=")
+        name = before.strip()
         if not equals:
             point = "; a decimal has a point" if entry.isdecimal() and values else ""
             raise UsageError(f"{option}: got {entry!r} in {text!r}; expected name=value, for example k1_T=0{point}")
-        values[name.strip()] = numbers_in(number, f"{option}: {name.strip()}")[0]
+        if name in values:
+            raise UsageError(f"{option}: {name} is given twice in {text!r}; expected each name once")
+        values[name] = numbers_in(number, f"{option}: {name}")[0]
     return values
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import gzip
 import hashlib
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
@@ -19,7 +18,7 @@ from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import WINDOWS_DEVICES, write_folder
+from pipeclamp_models.base.files import PLAIN_FILE_NAME, untaken, write_folder
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.tables import pl
 
@@ -33,9 +32,6 @@ class WrittenRun:
 
 
 Format = Literal["csv", "csv.gz", "parquet"]
-
-PLAIN_FILE_NAME = re.compile(rf"(?!({WINDOWS_DEVICES})$)\w[\w-]{{0,63}}", re.ASCII | re.IGNORECASE)
-"""Names of runs that are names of files on every system too; records of others are numbered."""
 
 
 def campaign_files(
@@ -52,10 +48,7 @@ def campaign_files(
     taken: set[str] = set()
     for number, run in enumerate(runs, 1):
         run_name = str(run.row["run"])
-        stem = run_name if PLAIN_FILE_NAME.fullmatch(run_name) else f"{number:04d}"
-        while stem.casefold() in taken:  # Windows takes "a" and "A" for one
-            stem += "_"
-        taken.add(stem.casefold())
+        stem = untaken(run_name if PLAIN_FILE_NAME.fullmatch(run_name) else f"{number:04d}", taken)
         file = f"runs/{stem}.{format}"
         rows.append({"run": run_name, "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
         samples = run.record.channels

@@ -22,10 +22,10 @@ from pipeclamp_identification.campaign.description import (
     description_text,
     read_description,
 )
-from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME, Format
+from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.plan import ImportPlan
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import refuse_folder
+from pipeclamp_models.base.files import PLAIN_FILE_NAME, refuse_folder, untaken
 
 OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
 """Parts what a user may change from what is ours, in campaign.toml."""
@@ -171,10 +171,7 @@ def write_campaign(
     files: dict[str, str] = {}
     for number, run in enumerate(plan.runs, len(existing.rows) + 1 if existing else 1):
         stem = run.name if PLAIN_FILE_NAME.fullmatch(run.name.replace(".", "_")) else f"{number:04d}"
-        while f"{stem}.{format}".casefold() in taken:
-            stem += "_"
-        taken.add(f"{stem}.{format}".casefold())
-        files[run.name] = f"runs/{stem}.{format}"
+        files[run.name] = f"runs/{untaken(stem, taken, f'.{format}')}.{format}"
         run.record.rename(work / files[run.name])
     rows = existing.rows if existing else ()
     new = [{"run": run.name, "file": files[run.name], **run.row} for run in plan.runs]

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.campaign.writing import PLAIN_FILE_NAME
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.tests import Identified, Tests
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import plain_stems
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import Structure
 
 FEWEST_RUNS_OF_A_GROUP = 4
 """Fewer runs can't show how a law follows amplitude, frequency and temperature."""
-LONGEST_FILE_NAME = 60
-"""Letters of a file's name."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +51,7 @@ def identify_per(
             "test more, or take their rows out of runs.csv"
         )
     laws = []
-    for (name, own), stem in zip(groups.items(), stems(list(groups)), strict=True):
+    for (name, own), stem in zip(groups.items(), plain_stems(list(groups)), strict=True):
         progress(f"{column} {name}")
         try:
             found = own.identify(structure, method=method, progress=progress)
@@ -63,17 +59,3 @@ def identify_per(
             raise UserError(f"{column} {name!r}: {error}") from error
         laws.append(GroupLaw(name, stem, own, found))
     return tuple(laws)
-
-
-def stems(names: Sequence[str]) -> list[str]:
-    """Give names of files for texts, plain on every system: no two alike, whatever their case."""
-    taken: set[str] = set()
-    found = []
-    for name in names:
-        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:LONGEST_FILE_NAME] or "group"
-        stem = plain if PLAIN_FILE_NAME.fullmatch(plain) else f"{plain}_"
-        while stem.casefold() in taken:
-            stem += "_"
-        taken.add(stem.casefold())
-        found.append(stem)
-    return found

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -26,6 +27,10 @@ DEVICES = Path("/dev")
 """Folder of devices, /dev/stdout among them, which leads to a file where the output goes to one."""
 WINDOWS_DEVICES = r"con|prn|aux|nul|com\d|lpt\d"
 """Names that are devices on Windows, whatever ends they have; in any case."""
+PLAIN_FILE_NAME = re.compile(rf"(?!({WINDOWS_DEVICES})$)\w[\w-]{{0,63}}", re.ASCII | re.IGNORECASE)
+"""Names without an end that files may have on every system."""
+LONGEST_PLAIN = 60
+"""Characters of a name that is made plain."""
 FMU, SSP = ".fmu", ".ssp"
 """How names end by which tools know what they hold."""
 WAITS_s = (0.02, 0.05, 0.1, 0.2, 0.4)
@@ -278,3 +283,27 @@ def restored(folder: Path) -> bool:
         return False
     set_aside(folder).rename(folder)
     return True
+
+
+def plain_stems(names: Sequence[str]) -> list[str]:
+    """Give names of files for texts, without an end, plain on every system: no two alike, whatever their case."""
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:LONGEST_PLAIN] or "group"
+        found.append(untaken(plain if PLAIN_FILE_NAME.fullmatch(plain) else f"{plain}_", taken))
+    return found
+
+
+def untaken(stem: str, taken: set[str], end: str = "") -> str:
+    """Give a file's name without its end, longer where another has it, in whatever case, as on Windows; and take it.
+
+    Args:
+        stem: the name.
+        taken: names with their ends, in lower case, of a folder; the new one joins them.
+        end: the name's end.
+    """
+    while f"{stem}{end}".casefold() in taken:
+        stem += "_"
+    taken.add(f"{stem}{end}".casefold())
+    return stem

@@ -23,7 +23,6 @@ from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_identification.workflow.per_group import stems
 from pipeclamp_models.law.law import Structure
 
 FACTORS = {"S1": 1.0, "S2": 1.08, "S3": 0.95}
@@ -234,19 +233,6 @@ def test_pooling_is_the_covariance_of_noise_and_factors_together(differing):
     inner = np.linalg.inv(np.diag(pooling.precision) + pooling.basis.T @ pooling.basis)
     along = pooling.basis.T @ flat
     assert own @ own == pytest.approx(flat @ flat - along @ inner @ along, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("names", "files"),
-    [
-        (["S1", "S2"], ["S1", "S2"]),
-        (["a/b", "a:b", "A b"], ["a_b", "a_b_", "A_b__"]),
-        (["con", "LPT1", "x" * 90], ["con_", "LPT1_", "x" * 60]),
-        (["Größe", "***"], ["Gr_e", "group"]),
-    ],
-)
-def test_names_of_files_are_safe_on_every_system(names, files):
-    assert stems(names) == files
 
 
 def test_specimens_put_into_a_measured_campaign_are_found(measured_data, tmp_path):

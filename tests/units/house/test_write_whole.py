@@ -1,4 +1,4 @@
-"""A file that somebody reads just then is replaced all the same: Windows refuses that until they have read it."""
+"""Files on every system: replaced while somebody reads them, which Windows refuses, and names that it takes, too."""
 
 import os
 from pathlib import Path
@@ -56,3 +56,16 @@ def test_what_cant_be_written_is_refused_before_the_work(tmp_path, monkeypatch, 
     monkeypatch.setattr(files.tempfile, "TemporaryFile", read_only)
     with pytest.raises(UserError, match=r"law\.json: can't write there \(Read-only file system\); expected an"):
         refuse(tmp_path / "law.json")
+
+
+@pytest.mark.parametrize(
+    ("names", "stems"),
+    [
+        (["S1", "S2"], ["S1", "S2"]),
+        (["a/b", "a:b", "A b"], ["a_b", "a_b_", "A_b__"]),
+        (["con", "LPT1", "x" * 90], ["con_", "LPT1_", "x" * 60]),
+        (["Größe", "***"], ["Gr_e", "group"]),
+    ],
+)
+def test_names_of_files_are_safe_on_every_system(names, stems):
+    assert files.plain_stems(names) == stems
