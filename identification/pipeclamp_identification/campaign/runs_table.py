@@ -177,7 +177,7 @@ def read_runs_table(folder: Path, description: CampaignDescription) -> RunsTable
 
 
 def _read_cells(path: Path) -> list[tuple[int, list[str]]]:
-    text = read_text(path, "the campaign's table, one row per run", "utf-8-sig")
+    text = read_text(path, "the campaign's table, one row per run")
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]

@@ -76,15 +76,15 @@ def read_content(path: Path, expected: str, where: str | None = None) -> bytes:
         raise UserError(f"{place}: can't be read ({error.strerror}); expected {expected}") from error
 
 
-def read_text(path: Path, expected: str, encoding: str = "utf-8") -> str:
-    """Read a text file as `read_content` does; its line ends become "\\n".
+def read_text(path: Path, expected: str) -> str:
+    """Read a text file as `read_content` does; its line ends become "\\n", and no byte order mark stays.
 
     Raises:
         UserError: it can't be read, is none, or isn't UTF-8.
     """
     content = read_content(path, expected)
     try:
-        text = content.decode(encoding)
+        text = content.decode("utf-8-sig")  # editors on Windows begin UTF-8 with a mark
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: is not UTF-8 text (byte {error.start}); expected {expected}, in UTF-8") from error
     return text.replace("\r\n", "\n").replace("\r", "\n")

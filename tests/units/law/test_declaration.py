@@ -75,6 +75,9 @@ def test_a_good_one_is_read():
         ('force = "', 'conditions = ["T"]\nforce = "', ["'T' can't stand in an expression"]),
         ('force = "', 'path = "y - v"\nforce = "', ["path, character 5", "name 'v'"]),
         ('force = "k_b * max(y - y_b, 0)"', 'energy = "k_b * y_b"', ["it does nothing"]),
+        ("N/mm", r"N\nmm", ["unit", "in one line"]),
+        ("N/mm", r"N\u2028mm", ["unit", "in one line"]),
+        ("N/mm", " ", ["unit", "in one line"]),
         ("id =", "id ==", ["not valid TOML"]),
     ],
 )  # fmt: skip
