@@ -324,12 +324,10 @@ def _run_row(
             temperature_C=numbers["temperature_C"],
             density_g_cm3=numbers["density_g_cm3"],
             first_cycle=numbers["first_cycle"] or 0.0,
-            conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
-            labels=MappingProxyType(
-                {c: cell for c, cell in named.items() if c not in known and c not in condition_columns}
-            ),
+            conditions={c: float(named[c]) if named[c] else math.nan for c in condition_columns},
+            labels={c: cell for c, cell in named.items() if c not in known and c not in condition_columns},
         ),
-        metrics=MappingProxyType(_metrics(path, row, named) if without_record else {}),
+        metrics=_metrics(path, row, named) if without_record else {},
         free=free,
     )
 
