@@ -94,10 +94,12 @@ def refuse_file(path: Path) -> None:
     """Refuse a path that no file can be written to, before the work that would fill it.
 
     Raises:
-        UserError: there is a folder of that name, or the file's folder doesn't exist or can't be written to.
+        UserError: there is a folder of that name, it is -, or its folder doesn't exist or can't be written to.
     """
     if "\0" in str(path):
         raise UserError(f"{path}: is no name that a file can have; expected the name of a file to write")
+    if path == Path("-"):
+        raise UserError("-: stands for no stdout here; expected the name of a file to write")
     if path.is_dir():
         raise UserError(f"{path}: is a folder; expected the name of a file to write")
     if (path.exists() and not path.is_file()) or path.parent == DEVICES:
