@@ -121,3 +121,17 @@ def test_mistakes_in_a_declaration_are_one_message(refused: Callable[..., str], 
         message = refused(*words)
         assert "bad.toml" in message and "did you mean 'exp'" in message
     assert not (folder / "no.json").exists()
+
+
+def test_an_effect_without_a_value_where_the_clamp_moves_is_told(refused: Callable[..., str], folder: Path):
+    """The diagnosis had left it out without a word; `add` had ended in a traceback."""
+    rooted = folder / "rooted.toml"
+    text = (folder / "notch.toml").read_text(encoding="utf-8").replace("exp(", "y**0.5 * exp(")
+    rooted.write_text(text, encoding="utf-8")
+    law, tests = folder / "law.json", folder / "notched"
+    for words in (
+        ("add", law, rooted, tests, "-o", folder / "no.json"),
+        ("diagnose", law, tests, "--declared", rooted),
+    ):
+        assert "effect 'notch': has no finite force on these tests" in refused(*words)
+    assert not (folder / "no.json").exists()

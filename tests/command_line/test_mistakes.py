@@ -218,6 +218,14 @@ def test_an_output_that_is_a_folder(refused, law, small, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
 
 
+def test_a_dash_is_no_file_to_write(refused, law, small, tmp_path, monkeypatch):
+    """Who means stdout had got a file of that name, which few commands of a shell take away again."""
+    monkeypatch.chdir(tmp_path)
+    for words in (("compare", law, small, "--json", "-"), ("identify", small, "-o", "-")):
+        assert "-: stands for no stdout here; expected the name of a file" in refused(*words)
+    assert list(tmp_path.iterdir()) == []
+
+
 OUTPUTS = [
     (name, option.opts[0], len([entry for entry in command.params if entry.param_type_name == "argument"]))
     for name, command in typer.main.get_command(app).commands.items()

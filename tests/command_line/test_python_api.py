@@ -1,9 +1,11 @@
 """The Python API: the commands' answers to rounding, light to import, clear where it can't serve."""
 
+import copy
 import doctest
 import html
 import inspect
 import json
+import pickle
 import re
 import shutil
 import subprocess
@@ -283,6 +285,53 @@ def test_mistakes_are_user_errors(tests, tmp_path):
         with pytest.raises(pc.UserError):
             mistake()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (
+            lambda law, tests, at: pc.build_fmu(law, at, amplitude="0.5"),
+            "amplitude: got '0.5'; expected a finite number",
+        ),
+        (lambda law, tests, at: pc.build_fmu(law, at, frequency=[3.0]), r"frequency: got \[3.0\]; expected a finite"),
+        (lambda law, tests, at: pc.build_fmu(law, at, track="no"), "track: got 'no'; expected True or False"),
+        (lambda law, tests, at: pc.diagnose(law, tests, auto="no"), "auto: got 'no'; expected True or False"),
+        (lambda law, tests, at: pc.diagnose(law, tests, declared=3), "got 3; expected a declaration"),
+        (
+            lambda law, tests, at: pc.diagnose(law, tests, declared=str(at)),
+            r"clamp.fmu: no such file; expected the dec",
+        ),
+        (lambda law, tests, at: pc.add(law, "coulomb", tests, kind="Cause"), "kind: got 'Cause'; expected 'cause' or"),
+        (lambda law, tests, at: pc.identify(tests, name=3), "name: got 3; expected text"),
+        (lambda law, tests, at: pc.identify_per(tests, 3), "column: got 3; expected text"),
+        (lambda law, tests, at: pc.schema(3), "name: got 3; expected text"),
+        (lambda law, tests, at: pc.import_files(at.parent, at, pattern=3), "pattern: got 3; expected text"),
+        (lambda law, tests, at: law.save(None), "got None; expected a file or folder to write"),
+        (lambda law, tests, at: pc.compare(law, tests).report(3), "got 3; expected a file or folder to write"),
+    ],
+)
+def test_what_is_stated_in_another_type_is_told(call, told, law, tests, tmp_path):
+    """Each had ended in a TypeError or a ValidationError, or `"no"` had counted as yes."""
+    with pytest.raises(pc.UserError, match=told):
+        call(law, tests, tmp_path / "clamp.fmu")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_tests_and_answers_travel_to_other_processes(tests, law):
+    tables = pc.read_campaign("emwm2_tables")
+    for held in (pc.compare(law, tests), pc.compare("emwm2", tables)):
+        assert pickle.loads(pickle.dumps(held)).to_dict() == held.to_dict()
+    assert pc.compare(law, copy.deepcopy(tests)).to_dict() == to_rounding(pc.compare(law, tests).to_dict())
+
+
+def test_no_motion_has_no_force(law):
+    assert law.force([], [], A=0.5, f=3.0, T=20.0).shape == (0,)
+    assert law.force(np.zeros((0, 3)), 0.0, A=0.5, f=3.0, T=20.0).shape == (0, 3)
+
+
+def test_one_law_may_be_given_by_itself(law, tests):
+    assert len(pc.compare_laws(law, tests).to_frame()) == 1
 
 
 def test_tests_may_be_named_where_they_are_wanted(small, tests, law):

@@ -208,7 +208,11 @@ def test_any_text_is_an_expression_or_refused(text):
         ("'y'", 1, "not of the grammar"),
         ("y; v", 2, "no character"),
         ("y # v", 3, "no character"),
-        ("λ * y", 1, "no character"),
+        ("λ * y", 1, "name 'λ' is not known"),
+        ("y + größe", 5, "name 'größe' is not known"),
+        ("where(größe > 0, y, q)", 7, "name 'größe' is not known"),
+        ("2 € * y", 3, "no character"),
+        ("y²", 2, "no character"),
     ],
 )
 def test_what_is_refused_says_where_and_why(text, place, words):

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeclamp.api.shown import PathOrName, Told, called_from_python, frame_of, path_of
+from pipeclamp.api.shown import PathOrName, Told, called_from_python, declarations_of, frame_of, path_of, text_of
 from pipeclamp_models.realise.catalogue_answer import (
     CatalogueAnswer,
     asked_effects,
@@ -123,7 +122,7 @@ def effects(effect: PathOrName | None = None, *, declared: Iterable[PathOrName] 
     >>> effects("memory").parameters()["symbol"].to_list()
     ['k_s', 'z_s']
     """
-    paths = [Path(path_of(one, "a declaration")) for one in declared]
+    paths = declarations_of(declared)
     name = None if effect is None else path_of(effect, "an effect")
     return Catalogue(asked_effects(name, paths), [str(path) for path in paths], whole=name is not None)
 
@@ -143,5 +142,5 @@ def schema(name: str = "law") -> dict[str, Any]:
     """
     from pipeclamp_identification.workflow.schemas import schema_text
 
-    found: dict[str, Any] = json.loads(schema_text(name))
+    found: dict[str, Any] = json.loads(schema_text(text_of(name, "name", "law")))
     return found

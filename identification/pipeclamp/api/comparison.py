@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown, frame_of
+from pipeclamp.api.shown import PathOrName, Shown, frame_of, several
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.workflow.after_comparison import after_comparison
@@ -240,8 +240,8 @@ def compare_laws(laws: Sequence[Law | PathOrName] | Mapping[str, Law], tests: Te
     >>> compare_laws(["published_R1", "emwm2"], read_campaign("clamp_a")).to_frame().columns
     ['law', 'made_of', 'nrmse']
     """
-    several = laws.values() if isinstance(laws, Mapping) else laws
-    known, tests = [opened(law) for law in several], tested(tests)
+    each = laws.values() if isinstance(laws, Mapping) else several(laws)
+    known, tests = [opened(law) for law in each], tested(tests)
     if not known:
         raise UserError("compare_laws: got no law; expected one at least")
     return LawsComparison(known, tests, [tests.tests.compare(law.file) for law in known])

@@ -5,12 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
-from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown, called_from_python, frame_of, limits_of, processes
+from pipeclamp.api.shown import (
+    PathOrName,
+    Shown,
+    called_from_python,
+    declarations_of,
+    file_of,
+    flag_of,
+    frame_of,
+    limits_of,
+    processes,
+)
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.drive import write_drive
@@ -94,8 +103,9 @@ class Diagnosis(Shown):
             why = self._found.no_test or f"the verdict is {self.verdict!r}"
             raise UserError(f"save_drive: no test is proposed: {why}")
         with called_from_python(drive="save_drive"):
-            write_drive(self._found.proposal.plan.signal(), Path(path))
-        return Path(path)
+            target = file_of(path)
+            write_drive(self._found.proposal.plan.signal(), target)
+        return target
 
     @property
     def next_command(self) -> str:
@@ -178,10 +188,10 @@ def diagnose(
     'pipeclamp add clamp_a.json damping_temperature clamp_a -o clamp_a_2.json'
     """
     known, tests = opened(law), tested(tests)
-    own = {fspath(path): read_declaration(Path(path)) for path in declared}
+    own = {str(path): read_declaration(path) for path in declarations_of(declared)}
     reach = limits_of(limits)
     workers = Workers(processes(jobs), progress)
-    if auto:
+    if flag_of(auto, "auto"):
         command = f"pc.diagnose({known.name!r}, {tests.name!r}, auto=True)"
         settled = add_until_settled(
             known.file, tests.tests, command=command, declared=[*own.values()], limits=reach, workers=workers

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
-from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown, processes
+from pipeclamp.api.shown import PathOrName, Shown, declarations_of, file_of, processes
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
@@ -75,9 +74,10 @@ class Discovery(Shown):
         """
         if self._found.declaration is None:
             raise UserError(f"nothing is proposed: {self.reason}")
-        refuse_ending(Path(path), SUFFIX, "a declaration")
-        write_whole(Path(path), toml_of(self._found.declaration))
-        return Path(path)
+        target = file_of(path)
+        refuse_ending(target, SUFFIX, "a declaration")
+        write_whole(target, toml_of(self._found.declaration))
+        return target
 
     @cached_property
     def _next(self) -> str:
@@ -141,7 +141,7 @@ def discover(
     (False, 'the catalogue has what is missing: damping_temperature; `add` it first')
     """
     known, tests = opened(law), tested(tests)
-    declarations = [read_declaration(Path(fspath(path))) for path in declared]
+    declarations = [read_declaration(path) for path in declarations_of(declared)]
     found = workflow.discover(
         known.file, tests.tests, command=COMMAND, declared=declarations, workers=Workers(processes(jobs), progress)
     )

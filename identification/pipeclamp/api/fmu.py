@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Told, path_of
+from pipeclamp.api.shown import PathOrName, Told, flag_of, number_or_none, path_of
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.files import FMU, SSP, refuse_ending
 from pipeclamp_models.base.one_thread import one_thread
@@ -69,14 +69,15 @@ def build_fmu(
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
     from pipeclamp_fmu.contents.clamp_model import ClampStart
 
+    A, T = number_or_none(amplitude, "amplitude", "mm"), number_or_none(temperature, "temperature", "°C")
     start = ClampStart(
-        A=None if amplitude is None else amplitude / 1000,
-        f=frequency,
-        T=None if temperature is None else temperature + CELSIUS,
-        track=track,
-        connected_temperature=temperature_input,
-        events=events,
-        memory_as_states=memory_as_states,
+        A=None if A is None else A / 1000,
+        f=number_or_none(frequency, "frequency", "Hz"),
+        T=None if T is None else T + CELSIUS,
+        track=flag_of(track, "track"),
+        connected_temperature=flag_of(temperature_input, "temperature_input"),
+        events=flag_of(events, "events"),
+        memory_as_states=flag_of(memory_as_states, "memory_as_states"),
     )
     file, target = opened(law).file, _target(path, FMU, "an FMU")
     if not events and kind == "python":

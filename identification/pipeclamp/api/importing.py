@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from pipeclamp.api.shown import PathOrName, Shown, path_of, text_of
+from pipeclamp.api.shown import PathOrName, Shown, flag_of, path_of, text_of
 from pipeclamp.api.tests import Tests, read_campaign
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.writing import Format
@@ -141,10 +141,13 @@ def import_files(
         columns = ",".join(f"{ours}={channel}" for ours, channel in columns.items())
     stated = text_of(columns, "columns", "time=Zeit [ms],force=Last [kN]")
     table = None if conditions is None else Path(path_of(conditions, "a table of conditions"))
-    options = stated_options(stated, pattern, table, rate, leave_out=lambda unusable: skip_unusable)
+    given_pattern = text_of(pattern, "pattern", "A{amplitude_mm}_f{frequency_Hz}")
+    leave_out = flag_of(skip_unusable, "skip_unusable")
+    options = stated_options(stated, given_pattern, table, rate, leave_out=lambda unusable: leave_out)
     request = ImportRequest(
         paths, Path(path_of(campaign, "a campaign's folder")), options,
-        page=import_page, dry_run=dry_run, name=name, notes=notes, software=software(), format=format,
+        page=import_page, dry_run=flag_of(dry_run, "dry_run"), name=text_of(name, "name", "clamp 7"),
+        notes=text_of(notes, "notes", "after 10 000 cycles"), software=software(), format=format,
         tell=progress,
     )  # fmt: skip
     return Import(import_campaign(request))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from os import fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp.api.shown import PathOrName, html_table, path_of
+from pipeclamp.api.shown import PathOrName, file_of, html_table, path_of
 from pipeclamp.show.law import coefficient_table, doubts, fit_words, vain_words
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law import bundled
@@ -125,9 +124,9 @@ class Law:
         Raises:
             UserError: it can't be written there.
         """
-        target = Path(path)
+        target = file_of(path)
         write_law(self.file, target)
-        self.origin = fspath(path)
+        self.origin = str(path)
         self._kept = True
         return target
 
@@ -157,7 +156,7 @@ class Law:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import law_alone_page
 
-        target = Path(path)
+        target = file_of(path)
         made_of = " + ".join((self.base, *self.effects))
         write_report(target, f"Law {self.name}", made_of, law_alone_page(self.file, self._steps))
         return target

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from os import fspath
 from pathlib import Path
+from typing import get_args
 
 from pipeclamp.api.diagnosis import Diagnosis
 from pipeclamp.api.law import Law, opened
@@ -60,11 +61,12 @@ def identify(
     tests = tested(tests)
     effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
+    called_so = tests.name if name is None else text_of(name, "name", "clamp 7") or tests.name
     held = tuple(sorted(numbers_by_name(freeze, "freeze", '{"alpha0": 0.4}').items()))
     structure = Structure(text_of(base, "base", "power"), tuple(names), held).with_declared(declarations)
     found = tests.tests.identify(structure, method=method, progress=progress)
     called = f"{_read(tests)}, effects={[fspath(effect) for effect in effects]!r}, base={base!r}"
-    return Law(found.file(name=name or tests.name, provenance=Provenance(f"pc.identify({called})")))
+    return Law(found.file(name=called_so, provenance=Provenance(f"pc.identify({called})")))
 
 
 @one_thread()
@@ -101,7 +103,7 @@ def identify_per(
     effects = several(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
     structure = Structure(text_of(base, "base", "power"), tuple(names)).with_declared(declarations)
-    laws = fitted(tests.tests, column, structure, progress=progress)
+    laws = fitted(tests.tests, text_of(column, "column", "specimen"), structure, progress=progress)
     shown = [fspath(effect) for effect in effects]
     called = f"pc.identify_per({_read(tests)}, {column!r}, effects={shown!r}, base={base!r})"
     return {
@@ -149,6 +151,8 @@ def add(
     c_T1 and c_T2 can hardly be told apart (correlation -0.954).
     """
     file, tests = opened(law).file, tested(tests)
+    if kind is not None and kind not in (kinds := get_args(NamedKind)):
+        raise UserError(f"kind: got {kind!r}; expected {' or '.join(map(repr, kinds))}")
     if isinstance(effect, Diagnosis):
         if effect.verdict != "missing":
             raise UserError(

@@ -11,11 +11,13 @@ from pipeclamp.api.shown import (
     Shown,
     called_from_python,
     count_of,
+    file_of,
     frame_of,
     limits_of,
     number_of,
     number_or_none,
     path_of,
+    text_of,
 )
 from pipeclamp.show.campaign_plan import campaign_plan_view
 from pipeclamp.show.narrowing import band_plan_view
@@ -79,8 +81,9 @@ class LoopTests(Shown):
         if not self.found.tests:
             raise UserError("save_drive: no test is proposed: none makes the peak surer by what it is worth")
         with called_from_python(drive="save_drive"):
-            write_drive(self.found.tests[0].plan.signal(), Path(path))
-        return Path(path)
+            target = file_of(path)
+            write_drive(self.found.tests[0].plan.signal(), target)
+        return target
 
     def __repr__(self) -> str:
         """Give the system and how many tests are worth their time."""
@@ -117,7 +120,7 @@ class PlannedCampaign(Shown):
         Raises:
             UserError: the folder exists, or its parent can't be written.
         """
-        target = Path(folder)
+        target = file_of(folder)
         write_folder(target, plan_files(self.found, target.name, "pipeclamp.plan_campaign"))
         return target
 
@@ -187,6 +190,7 @@ def plan(
     reach = limits_of(limits)
     path = Path(path_of(system, "the description of a system"))
     noise = number_or_none(force_noise, "force_noise")
+    point = None if at is None else text_of(at, "at", "clamp1")
     return LoopTests(
-        plan_tests(path, reach, per_cent=number_of(bands, "bands"), at=at, noise_N=noise, progress=progress)
+        plan_tests(path, reach, per_cent=number_of(bands, "bands"), at=point, noise_N=noise, progress=progress)
     )

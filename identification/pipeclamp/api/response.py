@@ -10,6 +10,7 @@ from pipeclamp.api.shown import (
     PathOrName,
     Reported,
     called_from_python,
+    file_of,
     number_or_none,
     numbers_by_name,
     path_of,
@@ -92,7 +93,7 @@ class Response(Reported):
         Raises:
             UserError: it can't be written there.
         """
-        target = Path(path)
+        target = file_of(path)
         write_response(self.found, target, self.bands.columns() if self.bands else None)
         return target
 

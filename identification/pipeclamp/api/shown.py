@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from html import escape
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 LEFT = "text-align: left"
 
+Named = TypeVar("Named")
 PathOrName = str | PathLike[str]
 """Path of a file or folder, or the name of something that comes with the program."""
 
@@ -37,6 +38,36 @@ def path_of(given: object, what: str) -> str:
     if isinstance(given, str | PathLike):
         return str(given)
     raise UserError(f"got {given!r}; expected {what}, or its path or name")
+
+
+def file_of(given: object) -> Path:
+    """Give the file or folder that a result is to be written to.
+
+    Raises:
+        UserError: it is neither text nor a path.
+    """
+    return Path(path_of(given, "a file or folder to write"))
+
+
+def declarations_of(given: object) -> list[Path]:
+    """Give the declarations of effects that a user named, one or several.
+
+    Raises:
+        UserError: one is neither text nor a path.
+    """
+    each = given if isinstance(given, Iterable) and not isinstance(given, str | PathLike) else (given,)
+    return [Path(path_of(one, "a declaration")) for one in each]
+
+
+def flag_of(given: object, what: str) -> bool:
+    """Give what a user switched on or off; what is named in the error.
+
+    Raises:
+        UserError: it is neither True nor False: what else holds, such as the text "no", is no answer.
+    """
+    if isinstance(given, bool | np.bool_):
+        return bool(given)
+    raise UserError(f"{what}: got {given!r}; expected True or False")
 
 
 def text_of(given: object, what: str, example: str) -> str:
@@ -104,7 +135,7 @@ def numbers_by_name(given: object, what: str, example: str) -> dict[str, float]:
     return {str(name): number_of(value, f"{what}[{name!r}]") for name, value in given.items()}
 
 
-def several(given: PathOrName | Sequence[PathOrName]) -> Sequence[PathOrName]:
+def several(given: PathOrName | Sequence[Named]) -> Sequence[PathOrName | Named]:
     """Give what a user named as several: a name by itself is one, not its letters; what is neither is refused where
     it's read."""
     return (given,) if isinstance(given, str | PathLike) or not isinstance(given, Sequence) else given
@@ -188,7 +219,7 @@ class Reported(Told):
         """
         from pipeclamp.pages.page import write_report
 
-        target = Path(path)
+        target = file_of(path)
         write_report(target, *self.page())
         return target
 

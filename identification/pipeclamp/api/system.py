@@ -12,6 +12,7 @@ from pipeclamp.api.shown import (
     PathOrName,
     Reported,
     called_from_python,
+    file_of,
     number_or_none,
     numbers_by_name,
     path_of,
@@ -87,7 +88,7 @@ class Cosimulation(Reported):
         Raises:
             UserError: it can't be written there.
         """
-        target = Path(path)
+        target = file_of(path)
         write_result(self.result, target)
         return target
 

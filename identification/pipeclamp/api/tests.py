@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeclamp.api.shown import PathOrName, Shown, frame_of, path_of
+from pipeclamp.api.shown import PathOrName, Shown, flag_of, frame_of, path_of
 from pipeclamp.show.view import View
 from pipeclamp_identification.metrics_only.campaign import MetricRun
 from pipeclamp_identification.workflow.reading import read_tests
@@ -179,7 +179,7 @@ def read_campaign(campaign: PathOrName, *, strict: bool = False) -> Tests:
     <tests clamp_a: 48 runs, 0 left out>
     """
     origin = path_of(campaign, "a campaign's folder")
-    return Tests(read_tests(Path(origin), strict=strict), origin)
+    return Tests(read_tests(Path(origin), strict=flag_of(strict, "strict")), origin)
 
 
 def tested(tests: Tests | PathOrName) -> Tests:

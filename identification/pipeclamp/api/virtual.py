@@ -13,6 +13,7 @@ from pipeclamp.api.shown import (
     Told,
     called_from_python,
     count_of,
+    flag_of,
     number_of,
     numbers_by_name,
     path_of,
@@ -260,5 +261,5 @@ def join(
     if not paths:
         raise UserError("join: got no campaign; expected the folders of several, in a list")
     folder = Path(path_of(campaign, "a folder"))
-    join_campaigns(paths, folder, strict=strict, format=format, progress=progress)
+    join_campaigns(paths, folder, strict=flag_of(strict, "strict"), format=format, progress=progress)
     return read_campaign(folder)

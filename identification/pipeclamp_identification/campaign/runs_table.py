@@ -177,7 +177,7 @@ def read_runs_table(folder: Path, description: CampaignDescription) -> RunsTable
 
 
 def _read_cells(path: Path) -> list[tuple[int, list[str]]]:
-    text = read_text(path, "the campaign's table, one row per run", "utf-8-sig")
+    text = read_text(path, "the campaign's table, one row per run")
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
@@ -324,12 +324,10 @@ def _run_row(
             temperature_C=numbers["temperature_C"],
             density_g_cm3=numbers["density_g_cm3"],
             first_cycle=numbers["first_cycle"] or 0.0,
-            conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
-            labels=MappingProxyType(
-                {c: cell for c, cell in named.items() if c not in known and c not in condition_columns}
-            ),
+            conditions={c: float(named[c]) if named[c] else math.nan for c in condition_columns},
+            labels={c: cell for c, cell in named.items() if c not in known and c not in condition_columns},
         ),
-        metrics=MappingProxyType(_metrics(path, row, named) if without_record else {}),
+        metrics=_metrics(path, row, named) if without_record else {},
         free=free,
     )
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.objections import are_one_memory
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.fitting.joint.points import sized_and_linearised, starting_points
+from pipeclamp_identification.fitting.joint.points import no_force, sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.joint.starts import Linearised, kept
+from pipeclamp_identification.fitting.least_squares import unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_models.base.errors import UserError
@@ -97,14 +98,19 @@ def _promise(structure: Structure, problem: Problem, law: Judged, name: str) -> 
         law: the law as it is.
         name: the effect.
     """
+    declared = any(declaration.id == name for declaration in structure.declared)
     try:
         larger = with_effect(structure, name)
         stated = list(_starts(structure, larger, name, problem, law))
     except UserError:
-        if any(declaration.id == name for declaration in structure.declared):
+        if declared:
             raise  # who declares an effect wants to know why it can't be tried
         return None
     starts = promising_starts(larger, problem, stated)
+    if declared:
+        law_there = unfitted(larger, problem.coarse, starts[0].values).law_force
+        if refusal := no_force(larger, problem.coarse, law_there):
+            raise refusal
     return Promise(name, law.result.cost - starts[0].cost, starts)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,14 +20,14 @@ from pipeclamp_identification.fitting.joint.covariance import covariance_of
 from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remembered, smoothing_of
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.not_fitted import not_fitted
-from pipeclamp_identification.fitting.joint.points import linearised, sized_start, starts_by_effect
+from pipeclamp_identification.fitting.joint.points import linearised, no_force, sized_start, starts_by_effect
 from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE, kept, most_promising
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress, silent
-from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.law.law import Equations, Law, Structure
 from pipeclamp_models.law.outline import ParameterOutline, Sizes, number_in
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import refuse_unknown_conditions
@@ -72,7 +72,8 @@ def fit(
         The best fit over all starts, of equally good ones the last.
 
     Raises:
-        UserError: there are fewer observations than free parameters.
+        UserError: there are fewer observations than free parameters, bounds that follow the tests leave a parameter
+            nothing, or the law has no force on the tests at any start.
     """
     equations = structure.equations
     refuse_unknown_conditions(sorted(equations.slow_signals), observations.motion)
@@ -91,11 +92,18 @@ def fit(
             if len(starts) > 1:
                 progress(f"fit from start {attempt + 1} of {len(starts)}")
             stay = {name: held.get(name, neutral.get(name, values[name])) for name in reasons}
-            begin = np.array([stay.get(name, values[name]) for name in equations.names])
+            begin = _within_bounds(
+                equations, np.array([stay.get(name, values[name]) for name in equations.names]), reasons, scales
+            )
+            refusal = no_force(structure, observations, law.at(begin))
+            if refusal is not None:
+                continue
             cost, solution = _minimise(law, begin, frozenset(reasons), scales, tolerance)
             if best is None or cost <= best[0] * (1 + EQUALLY_GOOD):
                 best = cost, solution
-        assert best is not None
+        if best is None:
+            assert refusal is not None
+            raise refusal
         return _finish(structure, law, best[1], reasons, scales)
 
 
@@ -138,6 +146,24 @@ def _sizes(parameters: Sequence[ParameterOutline], scales: Sizes) -> Array:
     return np.array([abs(number_in(one.spread or one.starts[0], scales)) for one in parameters])
 
 
+def _within_bounds(equations: Equations, begin: Array, held: Container[str], scales: Sizes) -> Array:
+    """Give where a fit begins, shape (P,): what isn't held lies within its bounds.
+
+    Raises:
+        UserError: bounds that follow the tests leave a parameter nothing.
+    """
+    free = np.array([name not in held for name in equations.names], dtype=bool)
+    lower, upper = parameter_bounds(equations, scales)
+    for place in np.flatnonzero(free & ~(lower < upper)):
+        raise UserError(
+            f"parameter {equations.names[place]}: for these tests its bounds are {lower[place]:g} and "
+            f"{upper[place]:g}; expected a lower one below an upper one"
+        )
+    within = np.clip(begin, lower, upper)
+    inside = 1e-9 * np.maximum(1.0, np.abs(within))
+    return np.where(free, np.clip(within, lower + inside, upper - inside), begin)
+
+
 def _minimise(
     law: Remembered,
     begin: Array,
@@ -145,7 +171,7 @@ def _minimise(
     scales: Sizes,
     tolerance: float,
 ) -> tuple[float, Array]:
-    """Minimise from one start; give the cost and all values."""
+    """Minimise from one start within the bounds; give the cost and all values."""
     equations = law.equations
     free = np.array([index for index, name in enumerate(equations.names) if name not in held], dtype=np.intp)
     evaluator = Evaluator(law, begin, free)
@@ -153,9 +179,7 @@ def _minimise(
         residual = evaluator.residual(begin[free])
         return float(residual @ residual) / 2, begin
     lower, upper = (bound[free] for bound in parameter_bounds(equations, scales))
-    x0 = np.clip(begin[free], lower, upper)
-    inside = 1e-9 * np.maximum(1.0, np.abs(x0))
-    x0 = np.clip(x0, lower + inside, upper - inside)
+    x0 = begin[free]
     if len(evaluator.residual(x0)) < len(free):
         raise UserError(
             f"{len(evaluator.residual(x0))} observations can't determine {len(free)} parameters; "

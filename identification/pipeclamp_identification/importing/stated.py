@@ -96,7 +96,7 @@ def _rate_of(stated: float | str | None) -> tuple[float | None, bool]:
         return NOMINAL_RATE, False
     try:
         rate = float(stated)
-    except ValueError:
+    except (TypeError, ValueError):
         rate = math.nan
     if math.isfinite(rate) and rate > 0:
         return rate, True

@@ -25,7 +25,7 @@ from pipeclamp_identification.campaign.description import (
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.plan import ImportPlan
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import PLAIN_FILE_NAME, refuse_folder, untaken
+from pipeclamp_models.base.files import PLAIN_FILE_NAME, read_text, refuse_folder, untaken
 
 OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
 """Parts what a user may change from what is ours, in campaign.toml."""
@@ -75,7 +75,7 @@ def existing_campaign(folder: Path) -> Existing | None:
     if not (folder / campaign_file.FILE_NAME).is_file():
         raise UserError(f"{folder}: exists already; expected a new folder, or a campaign that `pipeclamp import` wrote")
     description = read_description(folder)
-    text = (folder / campaign_file.FILE_NAME).read_text(encoding="utf-8")
+    text = read_text(folder / campaign_file.FILE_NAME, "the campaign's description, a TOML file")
     if description.imported is None or OURS not in text:
         raise UserError(
             f"{folder}: holds a campaign that wasn't imported; expected a new folder (`pipeclamp join` makes "

@@ -81,15 +81,15 @@ def read_content(path: Path, expected: str, where: str | None = None) -> bytes:
         raise UserError(f"{place}: can't be read ({error.strerror}); expected {expected}") from error
 
 
-def read_text(path: Path, expected: str, encoding: str = "utf-8") -> str:
-    """Read a text file as `read_content` does; its line ends become "\\n".
+def read_text(path: Path, expected: str) -> str:
+    """Read a text file as `read_content` does; its line ends become "\\n", and no byte order mark stays.
 
     Raises:
         UserError: it can't be read, is none, or isn't UTF-8.
     """
     content = read_content(path, expected)
     try:
-        text = content.decode(encoding)
+        text = content.decode("utf-8-sig")  # editors on Windows begin UTF-8 with a mark
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: is not UTF-8 text (byte {error.start}); expected {expected}, in UTF-8") from error
     return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -99,10 +99,12 @@ def refuse_file(path: Path) -> None:
     """Refuse a path that no file can be written to, before the work that would fill it.
 
     Raises:
-        UserError: there is a folder of that name, or the file's folder doesn't exist or can't be written to.
+        UserError: there is a folder of that name, it is -, or its folder doesn't exist or can't be written to.
     """
     if "\0" in str(path):
         raise UserError(f"{path}: is no name that a file can have; expected the name of a file to write")
+    if path == Path("-"):
+        raise UserError("-: stands for no stdout here; expected the name of a file to write")
     if path.is_dir():
         raise UserError(f"{path}: is a folder; expected the name of a file to write")
     if (path.exists() and not path.is_file()) or path.parent == DEVICES:

@@ -23,6 +23,12 @@ def _free_symbol(name: str) -> str:
     return name
 
 
+def _printable(text: str) -> str:
+    if not text.isprintable() or text != text.strip():
+        raise ValueError("expected a unit in one line of letters and signs, such as N/mm")
+    return text
+
+
 def _number_or_text(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError("expected a number or an expression in quotes")
@@ -41,7 +47,7 @@ SymbolName = Annotated[
     str, Field(pattern=r"^[A-Za-z]([A-Za-z0-9_]*[A-Za-z0-9])?$", max_length=32), AfterValidator(_free_symbol)
 ]
 Phrase = Annotated[str, Field(min_length=4, max_length=400)]
-UnitText = Annotated[str, Field(min_length=1, max_length=32)]
+UnitText = Annotated[str, Field(min_length=1, max_length=32), AfterValidator(_printable)]
 DeclaredNumber = Annotated[float | str, BeforeValidator(_number_or_text)]
 
 

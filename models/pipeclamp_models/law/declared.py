@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import unicodedata
 from functools import lru_cache
 
 import sympy as sp
@@ -122,7 +123,7 @@ class _Maker:
         """Give the further columns of runs.csv that the effect uses, by the names they have in expressions."""
         found: dict[str, sp.Expr] = {}
         for column in self.declaration.conditions:
-            name = re.sub(r"\W", "_", column)
+            name = unicodedata.normalize("NFKC", re.sub(r"\W", "_", column))  # as names in expressions are read
             if not name.isidentifier() or keyword.iskeyword(name) or name in RESERVED:
                 raise self._error(f"conditions: {column!r} can't stand in an expression; rename the column")
             found[name] = symbols.condition_symbol(column)

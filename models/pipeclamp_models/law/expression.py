@@ -1,6 +1,7 @@
 """Expressions of users as mathematics: a restricted grammar, parsed into SymPy and never run.
 
-Numbers, names, + - * / **, brackets, and the functions of `FUNCTIONS`; `where(a < b, p, q)` is p where a < b, else q.
+Numbers, names (of letters of all scripts, in their NFKC form), + - * / **, brackets, and the functions of `FUNCTIONS`;
+`where(a < b, p, q)` is p where a < b, else q.
 Numbers are worked out at once as floats, so that nothing an expression holds can grow beyond them.
 """
 
@@ -145,7 +146,7 @@ class _Reader:
         if len(text) > MOST_CHARACTERS:
             raise self._error(None, f"has {len(text)} characters; expected {MOST_CHARACTERS} at most")
         for place, character in enumerate(text):
-            if not (character.isascii() and (character.isprintable() or character.isspace())) or character in "#\\;":
+            if not (_is_ascii_text(character) or character.isalpha()) or character in "#\\;":
                 raise self._error(place, f"{character!r} is no character of an expression")
         # A text of several lines is one expression.
         line = "".join(" " if character.isspace() else character for character in text)
@@ -158,9 +159,10 @@ class _Reader:
             raise self._error(indent + max((error.offset or 1) - 1, 0), f"is no expression: {error.msg}") from error
         except (ValueError, RecursionError, MemoryError) as error:
             raise self._error(None, "is no expression that can be read") from error
+        encoded = line.strip().encode()
         for node in ast.walk(tree.body):
-            if hasattr(node, "col_offset"):
-                node.col_offset += indent
+            if hasattr(node, "col_offset"):  # in bytes
+                node.col_offset = indent + len(encoded[: node.col_offset].decode())
         return self._value(tree.body, MOST_LEVELS)
 
     def _value(self, node: ast.expr, depth: int) -> Value:
@@ -266,6 +268,10 @@ class _Reader:
         shown = self.text if len(self.text) <= 80 else f"{self.text[:77]}..."
         at = "" if place is None else f", character {place + 1}"
         return UserError(f"{self.where}{at}: {reason} (got {shown!r})")
+
+
+def _is_ascii_text(character: str) -> bool:
+    return character.isascii() and (character.isprintable() or character.isspace())
 
 
 def _unknown(name: str, known: tuple[str, ...]) -> str:

@@ -53,6 +53,8 @@ def force_along(
         slow = {name: np.broadcast_to(values, shape) for name, values in slow.items()}
     except ValueError as error:
         raise UserError(f"force: {error}; expected y, v and conditions of shapes that go together") from error
+    if 0 in shape:
+        return np.zeros(shape)
     rows = (-1, shape[-1]) if shape else (1, 1)
     y, v = np.broadcast_to(y, shape), np.broadcast_to(v, shape)
     slow = {name: values.reshape(rows) for name, values in slow.items()}

@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.screen import fits_beside
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.kept import FOLDER_VARIABLE
 from pipeclamp_models.base.toml_file import parse_table
+from pipeclamp_models.equations.symbols import condition_symbol
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.declaration import Declaration, merged
 from pipeclamp_models.law.declaration_files import read_declaration, read_effects
@@ -75,6 +76,9 @@ def test_a_good_one_is_read():
         ('force = "', 'conditions = ["T"]\nforce = "', ["'T' can't stand in an expression"]),
         ('force = "', 'path = "y - v"\nforce = "', ["path, character 5", "name 'v'"]),
         ('force = "k_b * max(y - y_b, 0)"', 'energy = "k_b * y_b"', ["it does nothing"]),
+        ("N/mm", r"N\nmm", ["unit", "in one line"]),
+        ("N/mm", r"N\u2028mm", ["unit", "in one line"]),
+        ("N/mm", " ", ["unit", "in one line"]),
         ("id =", "id ==", ["not valid TOML"]),
     ],
 )  # fmt: skip
@@ -110,6 +114,15 @@ def test_where_a_parameter_is_neutral_or_begins_the_effect_has_values(stated, pa
     ):
         declared(text % stated)
     declared(text % "start = 1")
+
+
+@pytest.mark.parametrize(("column", "name"), [("Öldruck bar", "Öldruck_bar"), ("µ_x", "µ_x"), ("p-oil", "p_oil")])
+def test_columns_of_other_scripts_stand_in_expressions(column, name):
+    """Letters beyond ASCII had been refused there, and the column had no other name; µ is read as μ."""
+    text = GOOD.replace('force = "k_b', f'conditions = ["{column}"]\nforce = "{name} / 2 * k_b')
+    assert condition_symbol(column) in effect_of(declared(text)).force.free_symbols
+    with pytest.raises(UserError, match=r"force, character 5: name 'Drück'"):
+        declared(text.replace(f"{name} / 2", f"1 * Drück * {name}"))
 
 
 def test_a_choice_that_has_a_value_there_is_read():

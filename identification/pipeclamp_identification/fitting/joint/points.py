@@ -11,10 +11,12 @@ from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remember
 from pipeclamp_identification.fitting.joint.not_fitted import undetermined
 from pipeclamp_identification.fitting.joint.starts import Linearised, Term, Values, combined, sized, starts_of_effects
 from pipeclamp_identification.fitting.observations import Observations, data_scales
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.law.law import Structure, scaled_in
 from pipeclamp_models.law.outline import Sizes
+from pipeclamp_models.realise.force import LawForce
 
 
 def starting_points(
@@ -99,3 +101,24 @@ def linearised(structure: Structure, observations: Observations, values: Mapping
     with one_thread():
         residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
     return Linearised(tuple(equations.names[index] for index in free), residual, jacobian)
+
+
+def no_force(structure: Structure, observations: Observations, law_force: LawForce) -> UserError | None:
+    """Give what to tell of a law that has no finite force somewhere on the tests; None where it has.
+
+    Args:
+        structure: the law's structure.
+        observations: the tests.
+        law_force: the law's force on their motion.
+    """
+    nowhere = np.argwhere(~np.isfinite(law_force.force))
+    if not len(nowhere):
+        return None
+    row, sample = nowhere[0]
+    y, v = observations.motion.y[row, sample], observations.motion.v[row, sample]
+    declared = ", ".join(repr(one.id) for one in structure.declared if one.id in structure.effects)
+    return UserError(
+        f"{f'effect {declared}' if declared else 'the law'}: has no finite force on these tests where the fit begins, "
+        f"at y = {y:.3g} mm, v = {v:.3g} mm/s for one; expected expressions that have a value at every displacement "
+        "and velocity: abs(y)**0.5 for y**0.5, say"
+    )
