@@ -23,14 +23,17 @@ def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
 
     Where a law's force is beyond all numbers they are 0: a fit has no way on from there.
     """
-    force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
-    rows = np.arange(len(force))
-    d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3
-    top = jacobian[:, rows, np.argmax(force, axis=1)]
-    bottom = jacobian[:, rows, np.argmin(force, axis=1)]
-    d_elastic = (top - bottom) / 2 * motion.slow["A"][:, 0] / 2e3
-    slopes = np.stack([d_dissipated, d_elastic], axis=2)
-    return np.where(np.isfinite(slopes), slopes, 0.0)
+    force, dissipates, lever = law_force.force, motion.v * motion.h, motion.slow["A"][:, 0] / 2
+    rows, highest, lowest = np.arange(len(force)), force.argmax(axis=1), force.argmin(axis=1)
+
+    def energies(courses: Array) -> Array:
+        found = np.empty((*courses.shape[:2], 2))
+        found[:, :, 0] = np.add.reduce(courses * dissipates, 2)
+        found[:, :, 1] = (courses[:, rows, highest] - courses[:, rows, lowest]) / 2 * lever
+        return found / 1e3
+
+    slopes = known_jacobian(law_force).through(energies, parameters)
+    return slopes if np.isfinite(slopes).all() else np.where(np.isfinite(slopes), slopes, 0.0)
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
