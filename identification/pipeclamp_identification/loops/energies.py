@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array, IntArray
@@ -14,8 +16,9 @@ def metric_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
 
     Where a law makes energy instead of dissipating it, nan.
     """
-    energies = np.stack(loop_energies(motion, law_force.force), axis=1)
-    return np.asarray(energy_slopes(motion, law_force, parameters) / np.where(energies > 0, energies, np.nan))
+    linear = _energies_at_extremes(motion, law_force.force)
+    energies = linear(law_force.force[None])[0]
+    return _slopes(linear, law_force, parameters) / np.where(energies > 0, energies, np.nan)
 
 
 def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
@@ -23,7 +26,20 @@ def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
 
     Where a law's force is beyond all numbers they are 0: a fit has no way on from there.
     """
-    force, dissipates, lever = law_force.force, motion.v * motion.h, motion.slow["A"][:, 0] / 2
+    return _slopes(_energies_at_extremes(motion, law_force.force), law_force, parameters)
+
+
+def _slopes(linear: Callable[[Array], Array], law_force: LawForce, parameters: IntArray) -> Array:
+    slopes = known_jacobian(law_force).through(linear, parameters)
+    return slopes if np.isfinite(slopes).all() else np.where(np.isfinite(slopes), slopes, 0.0)
+
+
+def _energies_at_extremes(motion: Motion, force: Array) -> Callable[[Array], Array]:
+    """Give the linear map that makes dW and W in J, (K, R, 2), of courses (K, R, n) where this force has its extremes.
+
+    It gives the force's own energies, and their derivatives of its derivatives.
+    """
+    dissipates, lever = motion.v * motion.h, motion.slow["A"][:, 0] / 2
     rows, highest, lowest = np.arange(len(force)), force.argmax(axis=1), force.argmin(axis=1)
 
     def energies(courses: Array) -> Array:
@@ -32,8 +48,7 @@ def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
         found[:, :, 1] = (courses[:, rows, highest] - courses[:, rows, lowest]) / 2 * lever
         return found / 1e3
 
-    slopes = known_jacobian(law_force).through(energies, parameters)
-    return slopes if np.isfinite(slopes).all() else np.where(np.isfinite(slopes), slopes, 0.0)
+    return energies
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:

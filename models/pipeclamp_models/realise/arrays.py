@@ -71,13 +71,13 @@ class ArrayRealisation:
 
     @cached_property
     def coefficient_slope_index(self) -> tuple[Pair, ...]:
-        """(coefficient, parameter) of each of `coefficient_slopes`."""
-        return self._index("coefficient_slopes")
+        """(coefficient, parameter) of each derivative in `coefficients_with_slopes`."""
+        return self._index("coefficients_with_slopes")
 
     @cached_property
-    def coefficient_slopes(self) -> Compiled:
-        """The coefficients' derivatives by the parameters."""
-        return self._compiled("coefficient_slopes")
+    def coefficients_with_slopes(self) -> Compiled:
+        """The coefficients, then their derivatives by the parameters: the powers are common."""
+        return self._compiled("coefficients_with_slopes")
 
     @cached_property
     def force(self) -> InParts:

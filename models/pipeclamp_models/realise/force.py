@@ -136,7 +136,9 @@ def force_of_equations(
     slow = [motion.slow[name] for name in compiled.slow]
     numbers = [*values, *smoothing]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
-        coefficients = compiled.coefficients(*slow, *numbers)
+        still = compiled.coefficients_with_slopes if derivatives else compiled.coefficients
+        values_and_slopes, count = still(*slow, *numbers), len(equations.outline.coefficients)
+        coefficients = values_and_slopes[:count]
         states = _march(compiled, equations, coefficients, numbers, motion).states(derivatives=derivatives)
         fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.moved_in]
         arguments = [*fast, *states.after, *coefficients, *numbers]
@@ -145,9 +147,7 @@ def force_of_equations(
         held = _held(compiled, fast, states, [*coefficients, *numbers], motion)
         jacobian = None
         if derivatives:  # to derive and to compile them takes longer than the forces of a few loops
-            by_parameters = dict(
-                zip(compiled.coefficient_slope_index, compiled.coefficient_slopes(*slow, *numbers), strict=True)
-            )
+            by_parameters = dict(zip(compiled.coefficient_slope_index, values_and_slopes[count:], strict=True))
             found = dict(zip(compiled.force_slope_index, slopes, strict=True))
             jacobian = _jacobian(equations, motion, found, states.slopes, by_parameters)
     law_force = LawForce(force, jacobian, states.adrift, held, states.unsettled, states.after)

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 
@@ -27,7 +28,7 @@ class Taken:
         self._unknown = set(range(len(arguments)))
         self._places = np.empty(len(arguments), dtype=np.uintp)
         self._strides = np.empty((len(arguments), 2), dtype=np.int64)
-        self._alive: list[Array] = []
+        self._alive: list[npt.NDArray[Any]] = []
         self._asked: dict[tuple[int, ...], tuple[int, int]] = {}
         self.shape = shape
 
@@ -37,8 +38,8 @@ class Taken:
         if columns not in self._asked:
             for column in self._unknown.intersection(columns):
                 argument = self._arguments[column]
-                still = isinstance(argument, float)
-                array, strides = (np.array(argument), STILL) if still else _spread(argument, self.shape)
+                number = isinstance(argument, float)
+                array, strides = (np.array(argument), STILL) if number else _spread(np.asarray(argument), self.shape)
                 self._alive.append(array)
                 self._places[column], self._strides[column] = array.ctypes.data, strides
             self._unknown.difference_update(columns)
