@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array, IntArray
@@ -14,8 +16,9 @@ def metric_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
 
     Where a law makes energy instead of dissipating it, nan.
     """
-    energies = np.stack(loop_energies(motion, law_force.force), axis=1)
-    return np.asarray(energy_slopes(motion, law_force, parameters) / np.where(energies > 0, energies, np.nan))
+    linear = _energies_at_extremes(motion, law_force.force)
+    energies = linear(law_force.force[None])[0]
+    return _slopes(linear, law_force, parameters) / np.where(energies > 0, energies, np.nan)
 
 
 def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> Array:
@@ -23,14 +26,29 @@ def energy_slopes(motion: Motion, law_force: LawForce, parameters: IntArray) -> 
 
     Where a law's force is beyond all numbers they are 0: a fit has no way on from there.
     """
-    force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
-    rows = np.arange(len(force))
-    d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3
-    top = jacobian[:, rows, np.argmax(force, axis=1)]
-    bottom = jacobian[:, rows, np.argmin(force, axis=1)]
-    d_elastic = (top - bottom) / 2 * motion.slow["A"][:, 0] / 2e3
-    slopes = np.stack([d_dissipated, d_elastic], axis=2)
-    return np.where(np.isfinite(slopes), slopes, 0.0)
+    return _slopes(_energies_at_extremes(motion, law_force.force), law_force, parameters)
+
+
+def _slopes(linear: Callable[[Array], Array], law_force: LawForce, parameters: IntArray) -> Array:
+    slopes = known_jacobian(law_force).through(linear, parameters)
+    return slopes if np.isfinite(slopes).all() else np.where(np.isfinite(slopes), slopes, 0.0)
+
+
+def _energies_at_extremes(motion: Motion, force: Array) -> Callable[[Array], Array]:
+    """Give the linear map that makes dW and W in J, (K, R, 2), of courses (K, R, n) where this force has its extremes.
+
+    It gives the force's own energies, and their derivatives of its derivatives.
+    """
+    dissipates, lever = motion.v * motion.h, motion.slow["A"][:, 0] / 2
+    rows, highest, lowest = np.arange(len(force)), force.argmax(axis=1), force.argmin(axis=1)
+
+    def energies(courses: Array) -> Array:
+        found = np.empty((*courses.shape[:2], 2))
+        found[:, :, 0] = np.add.reduce(courses * dissipates, 2)
+        found[:, :, 1] = (courses[:, rows, highest] - courses[:, rows, lowest]) / 2 * lever
+        return found / 1e3
+
+    return energies
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:

@@ -24,7 +24,7 @@ from pipeclamp_identification.metrics_only.pairs import metric_pairs
 from pipeclamp_identification.metrics_only.screen import Look, look
 from pipeclamp_identification.metrics_only.thresholds import FEWEST_FREEDOMS, REAL_CHANCE
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
-from pipeclamp_identification.metrics_only.weighing import outdoes_in_fit
+from pipeclamp_identification.metrics_only.weighing import by_rank, outdoes_in_fit
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.equations.effect import Effect
@@ -87,16 +87,11 @@ def candidates_of(
     looks = _looks(law, names, observations, workers)
     thoroughly = lacks(law)
     alone = _with_each(law, [one for one in looks if not one.hidden], observations, workers, thoroughly=thoroughly)
-    best = min((judged for judged in alone if judged.may_be_cause), key=by_score, default=law)
+    best = min((judged for judged in alone if judged.may_be_cause), key=by_rank, default=law)
     together = metric_pairs(law, alone, campaign, observations, workers) if lacks(best) else []
     law = _from_another_valley(law, [*alone, *together], observations) if thoroughly else law
     richest = _richest(law, alone, together, names, observations, lacks, workers)
     return Candidates(law, tuple(looks), tuple(alone), tuple(together), richest)
-
-
-def by_score(judged: MetricJudged) -> float:
-    """Give what laws are ordered by, best first."""
-    return judged.score
 
 
 def unlike(effects: Iterable[Effect]) -> list[str]:
@@ -162,9 +157,9 @@ def _richest(
     climb = partial(_climb, names=names, observations=observations, lacks=lacks, workers=workers)
     by_one = climb(law, fitted, together)
     supported = (judged for judged in together if _supported(judged, law))
-    two = min(supported, key=by_score, default=by_one)
+    two = min(supported, key=by_rank, default=by_one)
     # one effect after the other may end at more than two leave that come together: that is no scatter
-    return min((by_one, climb(two)), key=by_score) if two.score < by_one.score else by_one
+    return min((by_one, climb(two)), key=by_rank) if two.score < by_one.score else by_one
 
 
 def _climb(
@@ -185,9 +180,9 @@ def _climb(
         usable = list(filter(supported, fitted))
         sound = [judged for judged in usable if judged.may_be_cause]
         able = sound or (usable if lacks(richest) else [])
-        best = min(able, key=by_score, default=richest)
+        best = min(able, key=by_rank, default=richest)
         outdoing = [judged for judged in filter(supported, together) if outdoes_in_fit(judged, best)]
-        best = min(outdoing, key=by_score, default=best)
+        best = min(outdoing, key=by_rank, default=best)
         if best is richest:
             break
         richest, together, fitted = best, (), None

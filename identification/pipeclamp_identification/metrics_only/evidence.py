@@ -34,6 +34,9 @@ EXPECTED_FREEDOMS = 4.0
 too much."""
 MOST_FOLDS = 12
 """Conditions are left out one by one, in so many folds at most."""
+SAME_SCORE_DIGITS = 4
+"""Digits after the point to which scores are told apart: an effect that ended as its special case does as well as that
+but for rounding, which mustn't order them."""
 ROWS_TRIED = 12
 """Rows that are left out to see whether an effect rests on them, at most: those that it helps most."""
 
@@ -104,6 +107,11 @@ class MetricJudged:
     def score(self) -> float:
         """Squares with the price of each parameter (Akaike's)."""
         return self.squares + 2.0 * self.parameters
+
+    @property
+    def rank(self) -> tuple[float, int]:
+        """What laws are ordered by, best first; of those that are as good the one with fewer parameters of any kind."""
+        return round(self.score, SAME_SCORE_DIGITS), len(self.result.equations.names)
 
 
 def judge_metrics(

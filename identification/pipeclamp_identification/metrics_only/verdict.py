@@ -10,7 +10,7 @@ from pipeclamp_identification.diagnosis.candidates import distinct
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND, MetricCampaign, metric_observations
-from pipeclamp_identification.metrics_only.candidates import by_score, candidates_of, unlike
+from pipeclamp_identification.metrics_only.candidates import candidates_of, unlike
 from pipeclamp_identification.metrics_only.evidence import (
     LeftOutErrors,
     MetricJudged,
@@ -29,7 +29,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     REAL_CHANCE,
 )
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
-from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
+from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, by_rank, weigh
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.processes import ALONE, Workers
@@ -139,12 +139,12 @@ class MetricDiagnosis:
     @property
     def shown(self) -> tuple[MetricJudged, ...]:
         """The candidates and the pairs, best first."""
-        return tuple(sorted((*self.candidates, *self.pairs), key=by_score))
+        return tuple(sorted((*self.candidates, *self.pairs), key=by_rank))
 
     @property
     def best(self) -> MetricJudged:
         """The best law with one effect more at most, or with two that come together."""
-        return min((self.law, *self.shown), key=lambda judged: judged.score)
+        return min((self.law, *self.shown), key=by_rank)
 
 
 def diagnose_metrics(structure: Structure, campaign: MetricCampaign, *, workers: Workers = ALONE) -> MetricDiagnosis:
@@ -166,7 +166,7 @@ def diagnose_metrics(structure: Structure, campaign: MetricCampaign, *, workers:
     workers.tell("evidence in units of the scatter")
     again = partial(_again, observations, few)
     law, richest = again(fitted.law), again(fitted.richest)
-    alone, together = (sorted(workers.share(again, judged), key=by_score) for judged in (fitted.alone, fitted.together))
+    alone, together = (sorted(workers.share(again, judged), key=by_rank) for judged in (fitted.alone, fitted.together))
     chances = _chances(law, alone, together, fitted.looks, scatter)
     hidden = _hidden(fitted.looks, together, chances)
     lack = (

@@ -222,6 +222,11 @@ def _outdoes(pair: MetricJudged, alone: MetricJudged | None, scales: MetricScale
     return together - by_itself >= PAIR_TAKES_SHARE * (whole - by_itself)
 
 
+def by_rank(judged: MetricJudged) -> tuple[float, int]:
+    """Give what laws are ordered by, best first."""
+    return judged.rank
+
+
 def outdoes_in_fit(pair: MetricJudged, alone: MetricJudged) -> bool:
     """Tell whether two effects together leave half, or less, of what one alone does, and are clearly likelier."""
     return pair.squares <= (1 - PAIR_TAKES_SHARE) * alone.squares and _clearly_likelier(pair, alone)
@@ -235,7 +240,7 @@ def _with_rivals(best: MetricJudged, sound: Sequence[MetricJudged]) -> tuple[Met
     """Give the best law and those that are about as likely, one for each first effect, likeliest first."""
     near = sorted(
         (each for each in sound if each is best or each.score < best.score + RIVAL_LIKELIHOOD),
-        key=lambda each: each.score,
+        key=by_rank,
     )
     return tuple(next(each for each in near if each.effects[0] == name) for name in _firsts(near))
 

@@ -23,9 +23,9 @@ from pipeclamp_models.realise.stepping import Definition, exact
 
 FAST = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 SMOOTHING = (symbols.v_r, symbols.y_r)
-SLOPES_ALONE = ("coefficient_slopes", "lag_slopes")
+SLOPES_ALONE = ("lag_slopes",)
 """Functions that give derivatives."""
-WITH_SLOPES = ("force_with_slopes", *SLOPES_ALONE)
+WITH_SLOPES = ("coefficients_with_slopes", "force_with_slopes", *SLOPES_ALONE)
 """Functions that give derivatives, some after the values themselves."""
 Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
@@ -180,7 +180,7 @@ def _asked(equations: Composed, function: str) -> AskedFunction:
     by = [*states, *coefficients, *parameters]
     fast = [*FAST, *by, *SMOOTHING]
     match function:
-        case "coefficients" | "coefficient_slopes":
+        case "coefficients" | "coefficients_with_slopes":
             return AskedFunction(slow, [entry.expression for entry in equations.coefficients], by=parameters)
         case "force" | "force_with_slopes":
             return AskedFunction(fast, [equations.force], by=by)

@@ -24,8 +24,10 @@ class InParts:
     """A function of arrays in parts, each of which takes some of its arguments and adds to some of its results."""
 
     def __init__(self, parts: Sequence[Mapping[str, Any]], results: int) -> None:
+        self._written = parts
         self._parts = [(_defined(part["source"]), part["columns"], part["places"]) for part in parts]
         self._results = range(results)
+        self._with: dict[int, InParts] = {}
 
     def __call__(self, *arguments: Any) -> list[Any]:
         """Give the results; what no part adds to is zero."""
@@ -34,6 +36,18 @@ class InParts:
             for place, value in zip(places, function(*[arguments[column] for column in columns]), strict=True):
                 found[place] = found[place] + value if place in found else value
         return [found.get(place, 0.0) for place in self._results]
+
+    def taking(self, column: int) -> InParts:
+        """Give those of its parts that take an argument, alone: the others stay as it changes."""
+        if column not in self._with:
+            taking = [part for part in self._written if column in part["columns"]]
+            self._with[column] = InParts(taking, len(self._results))
+        return self._with[column]
+
+    @cached_property
+    def columns(self) -> tuple[int, ...]:
+        """Places of the arguments that any part takes."""
+        return tuple(sorted({column for _, columns, _ in self._parts for column in columns}))
 
 
 class ArrayRealisation:
@@ -57,16 +71,16 @@ class ArrayRealisation:
 
     @cached_property
     def coefficient_slope_index(self) -> tuple[Pair, ...]:
-        """(coefficient, parameter) of each of `coefficient_slopes`."""
-        return self._index("coefficient_slopes")
+        """(coefficient, parameter) of each derivative in `coefficients_with_slopes`."""
+        return self._index("coefficients_with_slopes")
 
     @cached_property
-    def coefficient_slopes(self) -> Compiled:
-        """The coefficients' derivatives by the parameters."""
-        return self._compiled("coefficient_slopes")
+    def coefficients_with_slopes(self) -> Compiled:
+        """The coefficients, then their derivatives by the parameters: the powers are common."""
+        return self._compiled("coefficients_with_slopes")
 
     @cached_property
-    def force(self) -> Compiled:
+    def force(self) -> InParts:
         """The force in N, of states after their update."""
         return self._compiled("force")
 
@@ -76,7 +90,7 @@ class ArrayRealisation:
         return tuple(column for _, column in self._index("force_with_slopes"))
 
     @cached_property
-    def force_with_slopes(self) -> Compiled:
+    def force_with_slopes(self) -> InParts:
         """The force, then its derivatives by states, coefficients and parameters: most of the work is common."""
         return self._compiled("force_with_slopes")
 
@@ -155,7 +169,7 @@ class ArrayRealisation:
             self._written[function] = kept(f"{function} {self._equations.key}", write)
         return self._written[function]
 
-    def _compiled(self, function: str) -> Compiled:
+    def _compiled(self, function: str) -> InParts:
         written = self.written(function)
         return InParts(written["parts"], written["results"])
 

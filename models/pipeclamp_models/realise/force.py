@@ -10,10 +10,9 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.law.law import Equations, Law
-from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Pair, realise
+from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, InParts, Pair, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
 from pipeclamp_models.realise.states import March, States
-from pipeclamp_models.realise.walks import Compiled
 
 VELOCITY = FAST_ARGUMENTS.index("v")
 
@@ -53,8 +52,11 @@ class Jacobian:
         by_course = dict(zip(used, mapped, strict=True))
         found = np.zeros((len(parameters), *mapped.shape[1:]))
         for derivative, parameter in zip(found, parameters, strict=True):
-            for course, factor in self.terms[parameter]:
-                derivative += factor * by_course[course]
+            for place, (course, factor) in enumerate(self.terms[parameter]):
+                if place:
+                    derivative += factor * by_course[course]
+                else:
+                    np.multiply(factor, by_course[course], out=derivative)
         return found
 
     def moved(self, courses: Array, course: Array, factors: Mapping[int, float]) -> Jacobian:
@@ -134,7 +136,9 @@ def force_of_equations(
     slow = [motion.slow[name] for name in compiled.slow]
     numbers = [*values, *smoothing]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
-        coefficients = compiled.coefficients(*slow, *numbers)
+        still = compiled.coefficients_with_slopes if derivatives else compiled.coefficients
+        values_and_slopes, count = still(*slow, *numbers), len(equations.outline.coefficients)
+        coefficients = values_and_slopes[:count]
         states = _march(compiled, equations, coefficients, numbers, motion).states(derivatives=derivatives)
         fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.moved_in]
         arguments = [*fast, *states.after, *coefficients, *numbers]
@@ -143,9 +147,7 @@ def force_of_equations(
         held = _held(compiled, fast, states, [*coefficients, *numbers], motion)
         jacobian = None
         if derivatives:  # to derive and to compile them takes longer than the forces of a few loops
-            by_parameters = dict(
-                zip(compiled.coefficient_slope_index, compiled.coefficient_slopes(*slow, *numbers), strict=True)
-            )
+            by_parameters = dict(zip(compiled.coefficient_slope_index, values_and_slopes[count:], strict=True))
             found = dict(zip(compiled.force_slope_index, slopes, strict=True))
             jacobian = _jacobian(equations, motion, found, states.slopes, by_parameters)
     law_force = LawForce(force, jacobian, states.adrift, held, states.unsettled, states.after)
@@ -241,11 +243,12 @@ def _held(
 
 
 def _with_means(
-    function: Compiled, arguments: Sequence[Array], turning: Turning, shape: tuple[int, int]
+    function: InParts, arguments: Sequence[Array | float], turning: Turning, shape: tuple[int, int]
 ) -> list[Array]:
     """Evaluate force or slopes at all samples; where the motion turns, their mean over the sample's interval.
 
-    Only the velocity is taken to change within an interval: all else stands nearly still at a reversal.
+    Only the velocity is taken to change within an interval: all else stands nearly still at a reversal, and so does
+    what doesn't take the velocity.
 
     Args:
         function: of the fast arguments.
@@ -255,11 +258,14 @@ def _with_means(
     """
     results = [_filled(value, shape) for value in function(*arguments)]
     if len(turning.row):
-        there = [value if isinstance(value, float) else _where_turning(value, turning) for value in arguments]
+        moved, there = function.taking(VELOCITY), list(arguments)
+        for column in moved.columns:
+            there[column] = _where_turning(arguments[column], turning)
         there[VELOCITY] = turning.v
-        for result, values in zip(results, function(*there), strict=True):
-            own = result[turning.row, turning.sample]
-            result[turning.row, turning.sample] += turning.share * (np.add.reduce(turning.weight * values, 1) - own)
+        for result, values in zip(results, moved(*there), strict=True):
+            if np.shape(values) == turning.v.shape:
+                change = np.add.reduce(turning.weight * values[:, 1:], 1) - values[:, 0]
+                result[turning.row, turning.sample] += turning.share * change
     return results
 
 
@@ -270,8 +276,10 @@ def _filled(value: npt.ArrayLike, shape: tuple[int, int]) -> Array:
     return array
 
 
-def _where_turning(value: npt.ArrayLike, turning: Turning) -> Array:
+def _where_turning(value: Array | float, turning: Turning) -> Array | float:
     """Give a quantity where the motion turns, one row each, of what broadcasts to (R, n) without broadcasting it."""
+    if isinstance(value, float):
+        return value
     array = np.asarray(value, dtype=np.float64)
     if array.ndim < 2:
         array = np.atleast_2d(array)

@@ -23,8 +23,8 @@ class Turning:
 
     Attributes:
         row, sample: where they are, shape (K,).
-        v: velocities of the interval in mm/s, shape (K, q).
-        weight: of each in the mean over the interval, shape (K, q).
+        v: the sample's velocity and then those of its interval in mm/s, shape (K, 1 + q).
+        weight: of each of the interval's in the mean over it, shape (K, q).
         share: by which the mean stands in the place of the sample, shape (K,).
     """
 
@@ -111,7 +111,8 @@ class Motion:
         length = np.diff(ends)[:, :, None]
         v = (ends[:, :-1, None] + length * (1 + NODES) / 2).reshape(len(row), 2 * len(NODES))
         weight = (length * WEIGHTS / 2).reshape(v.shape) / (2 * half[:, None])
-        return Turning(row, sample, v, weight, np.clip(2 - np.abs(middle) / half, 0.0, 1.0))
+        own_first = np.concatenate([middle[:, None], v], axis=1)
+        return Turning(row, sample, own_first, weight, np.clip(2 - np.abs(middle) / half, 0.0, 1.0))
 
 
 def sinusoids(

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 
@@ -20,20 +21,32 @@ class Taken:
 
     Attributes:
         shape: (R, n).
-        places: addresses, shape (N,).
-        strides: from row to row and from sample to sample, shape (N, 2).
     """
 
     def __init__(self, arguments: Sequence[Array | float], shape: tuple[int, int]) -> None:
-        numbers = np.array([each for each in arguments if isinstance(each, float)])
-        arrays = [_spread(each, shape) for each in arguments if not isinstance(each, float)]
-        of_numbers = iter(range(numbers.ctypes.data, numbers.ctypes.data + numbers.nbytes, numbers.itemsize))
-        of_arrays = ((array.ctypes.data, own) for array, own in arrays)
-        where = [(next(of_numbers), STILL) if isinstance(each, float) else next(of_arrays) for each in arguments]
-        self._alive = (numbers, arrays)
+        self._arguments = arguments
+        self._unknown = set(range(len(arguments)))
+        self._places = np.empty(len(arguments), dtype=np.uintp)
+        self._strides = np.empty((len(arguments), 2), dtype=np.int64)
+        self._alive: list[npt.NDArray[Any]] = []
+        self._asked: dict[tuple[int, ...], tuple[int, int]] = {}
         self.shape = shape
-        self.places = np.array([place for place, _ in where], dtype=np.uintp)
-        self.strides = np.array([own for _, own in where], dtype=np.int64)
+
+    def where(self, columns: tuple[int, ...]) -> tuple[int, int]:
+        """Give where two tables of some arguments lie, as long as this lives: of their addresses, (N,), and of their
+        strides from row to row and from sample to sample, in bytes, (N, 2)."""
+        if columns not in self._asked:
+            for column in self._unknown.intersection(columns):
+                argument = self._arguments[column]
+                number = isinstance(argument, float)
+                array, strides = (np.array(argument), STILL) if number else _spread(np.asarray(argument), self.shape)
+                self._alive.append(array)
+                self._places[column], self._strides[column] = array.ctypes.data, strides
+            self._unknown.difference_update(columns)
+            tables = self._places.take(columns), self._strides.take(columns, axis=0)
+            self._alive += tables
+            self._asked[columns] = tables[0].ctypes.data, tables[1].ctypes.data
+        return self._asked[columns]
 
 
 def _spread(argument: Array, shape: tuple[int, int]) -> tuple[Array, tuple[int, ...]]:
@@ -53,7 +66,7 @@ class MachineMarch:
     def __init__(self, name: str, columns: Sequence[int], source: str) -> None:
         self._name = name
         self._source = source
-        self._columns = np.array(columns, dtype=np.intp)
+        self._columns = tuple(columns)
 
     @cached_property
     def _function(self) -> Callable[..., None]:
@@ -69,10 +82,9 @@ class MachineMarch:
             start: states before the first sample, (J, R).
             results: their shape, (K, R, n) or (K, R), as it was written.
         """
-        places, strides = taken.places[self._columns], taken.strides[self._columns]
         written = np.empty(results)
         begin = np.ascontiguousarray(start, dtype=np.float64)
-        self._function(*taken.shape, *(each.ctypes.data for each in (places, strides, begin, written)))
+        self._function(*taken.shape, *taken.where(self._columns), begin.ctypes.data, written.ctypes.data)
         return written
 
 

@@ -22,8 +22,10 @@ PAIR = ("relaxation", "relaxation_temperature")
 def judged(squares: float, *effects: str) -> MetricJudged:
     """A law with these effects whose residuals have this sum of squares."""
     residual = np.full((ROWS, 2), np.sqrt(squares / (2 * ROWS)))
-    result = cast(Fit, SimpleNamespace(fitted=("k",) * (5 + 2 * len(effects)), at_bound=()))
-    return MetricJudged(effects, Structure("power", effects), result, residual, ())
+    structure = Structure("power", effects)
+    fitted = ("k",) * (5 + 2 * len(effects))
+    result = cast(Fit, SimpleNamespace(fitted=fitted, at_bound=(), equations=structure.equations))
+    return MetricJudged(effects, structure, result, residual, ())
 
 
 def weighed(*, law, alone, pair, richest):
@@ -73,3 +75,17 @@ def test_a_general_effect_that_ended_as_a_special_case_of_its_own_gives_way_to_i
         )
     )  # fmt: skip
     assert tuple(each.effects[0] for each in found.laws) == named
+
+
+@pytest.mark.parametrize("rounding", [-1e-9, 1e-9])
+def test_of_laws_that_are_as_good_the_simpler_one_comes_first(rounding):
+    """Two slip forces that end alike are one: which stood first, and by that how many effects of unlike kinds counted
+    as tried, and every chance, had hung on the last digit."""
+    law, one, two = judged(1000.0), judged(400.0, "memory"), judged(400.0 + rounding, "directional_slip")
+    found = weigh(
+        MetricScales(
+            law=law, richest=one, candidates=[two, one], pairs=[], chances={"memory": 1e-9, "directional_slip": 1e-9},
+            lack=(1e-9, 1.0), scatter=Scatter(np.ones(2), np.full(2, 9.0)), heldout=lambda _: np.ones(12),
+        )
+    )  # fmt: skip
+    assert [each.name for each in found.laws] == ["memory", "directional_slip"]
