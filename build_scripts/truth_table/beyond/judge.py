@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from cases import Case, Drawn, Measured, draw, measure
@@ -61,7 +62,8 @@ class BeyondOutcome:
         first: of an effect of the catalogue: what a discovery answers of the base law, before the ladder.
         found: what it answers after the ladder.
         identified, diagnosed, discovered: error on held-out conditions over the floor, of the laws on the way.
-        difference: of the proposed term from what is hidden, see `form`; nan where there is none to compare.
+        difference: of the proposed term from what is hidden, see `form`, also of one in an effect's place: after the
+            ladder, or before it where none is proposed after; nan where there is none to compare.
         counted: in a word, see `counted`.
         ladder_seconds, seconds: what the ladder took, and all.
         error: the message, where the package failed.
@@ -112,7 +114,7 @@ def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutco
     """Go the way of a user; give how it came out, but for the count and the time."""
     tests = RecordTests(data.campaign)
     file = law_file(identify(data.campaign), data.campaign, name="base", provenance=Provenance(COMMAND))
-    first = _asked(file, tests)[1] if blank.kind == "effect" else None
+    asked_first = _asked(file, tests) if blank.kind == "effect" else None
     begin = time.perf_counter()
     settled = add_until_settled(file, tests, command=COMMAND, limits=RIG_LIMITS)
     ladder_seconds = round(time.perf_counter() - begin, 1)
@@ -121,14 +123,27 @@ def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutco
     identified, diagnosed, discovered = (
         round(heldout_over_floor(law, data.heldout, data.heldout_floor), 4) for law in (file, settled.file, last)
     )
-    differs = float("nan")
-    if proposal.after is not None and blank.kind in ("beyond", "beside"):
-        differs = round(difference(drawn, data.sizes, law_of(settled.file), law_of(proposal.after)), 4)
+    proposals = [proposal, *([asked_first[0]] if asked_first else [])]
     return replace(
         blank, ladder=tuple(one.name for one in structure_of(settled.file).all_effects() if one.part != "base"),
-        verdict=settled.found.verdict, first=first, found=answer, identified=identified, diagnosed=diagnosed,
-        discovered=discovered, difference=differs, ladder_seconds=ladder_seconds,
+        verdict=settled.found.verdict, first=asked_first[1] if asked_first else None, found=answer,
+        identified=identified, diagnosed=diagnosed, discovered=discovered,
+        difference=how_far_off(blank.law, drawn, data.sizes, proposals), ladder_seconds=ladder_seconds,
     )  # fmt: skip
+
+
+def how_far_off(hidden: str, drawn: Drawn, sizes: tuple[float, ...], proposals: Sequence[TermProposal]) -> float:
+    """Give how far what was put into a law lies from what is hidden, see `form`; nan where the law with it has that.
+
+    Args:
+        hidden: name of the law or effect; "" where nothing is.
+        drawn: the case.
+        sizes: of what is hidden.
+        proposals: of which the first counts that has something.
+    """
+    laws = ((law_of(one.before), law_of(one.after)) for one in proposals if one.after is not None)
+    lacking = [pair for pair in laws if hidden not in map(effect_id, pair[1].structure.effects)]
+    return round(difference(drawn, sizes, *lacking[0]), 4) if hidden and lacking else float("nan")
 
 
 def _asked(file: LawFile, tests: RecordTests) -> tuple[TermProposal, Answered]:

@@ -371,7 +371,8 @@ def best_heard(heard: Sequence[TermFound], problem: Problem) -> TermFound:
 
     What the law as it is has beside a term, and a term in the place of it does without, must be needed as an effect
     must that comes back: it may share with the term what is missing, and leave of its form what nobody would know
-    again. The first is the law's own, which counts only where it passed or no other did.
+    again. Numbers of a term's own needn't be: in the place of as many effects, or more, the likelier term stands.
+    The first is the law's own, which counts only where it passed or no other did.
 
     Args:
         heard: terms that were asked, in one problem's weights.
@@ -380,7 +381,10 @@ def best_heard(heard: Sequence[TermFound], problem: Problem) -> TermFound:
     passed = [one for one in heard if one.passed] or heard
     best = min(passed, key=lambda one: one.judged.squares)
     near = [one for one in passed if not is_worth_effects(best.judged, one.judged, problem)]
-    return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
+    shortest = min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
+    most = shortest.judged.akaike - RIVAL_LIKELIHOOD
+    likelier = [one for one in near if len(one.gone) >= len(shortest.gone) and one.judged.akaike <= most]
+    return min(likelier, key=lambda one: one.judged.akaike, default=shortest)
 
 
 def with_rivals_elsewhere(best: TermFound, heard: Sequence[TermFound], loops: Loops) -> TermFound:

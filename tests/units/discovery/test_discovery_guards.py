@@ -262,10 +262,10 @@ def test_as_well_means_the_same_beyond_the_tests(without, with_it, passes, monke
 TESTS = SimpleNamespace(groups=np.arange(8))
 
 
-def _judged(squares, parameters, turns=0.0):
+def _judged(squares, parameters, turns=0.0, akaike=0.0):
     of_runs = squares / 8 + turns * np.tile([1.0, -1.0], 4)
     return SimpleNamespace(
-        squares=squares, score=SimpleNamespace(squares=of_runs, mean_squares=1000.0 + of_runs),
+        squares=squares, score=SimpleNamespace(squares=of_runs, mean_squares=1000.0 + of_runs), akaike=akaike,
         result=SimpleNamespace(law=SimpleNamespace(values=range(parameters))),
     )  # fmt: skip
 
@@ -284,9 +284,28 @@ def _judged(squares, parameters, turns=0.0):
 def test_effects_beside_a_term_must_be_worth_it(beside, instead, taken):
     """Beside the effect that had stood for it a wire rope's term had another form, for a twentieth of the squares."""
     heard = [
-        SimpleNamespace(name=name, passed=each[2], judged=_judged(*each[:2], *each[3:]))
+        SimpleNamespace(name=name, passed=each[2], judged=_judged(*each[:2], *each[3:]), gone=())
         for name, each in (("beside", beside), ("instead", instead)) if each
     ]  # fmt: skip
+    assert best_heard(heard, TESTS).name == taken
+
+
+@pytest.mark.parametrize(
+    ("shorter", "longer", "taken"),
+    [
+        (((), 300.0), (("gap",), 276.0), "longer"),
+        (((), 300.0), (("gap",), 292.0), "shorter"),  # not a hundred times as likely
+        ((("gap",), 300.0), (("slip",), 276.0), "longer"),
+        ((("gap",), 300.0), ((), 276.0), "shorter"),  # it needs an effect that must be needed
+        ((("gap", "slip"), 300.0), (("gap",), 276.0), "shorter"),
+    ],
+)
+def test_numbers_of_a_term_in_the_place_of_an_effect_may_be_more_where_it_is_likelier(shorter, longer, taken):
+    """A term of one number beside an effect had been taken, 48 % off; one of three in its place was 30 % off."""
+    heard = [
+        SimpleNamespace(name=name, passed=True, gone=gone, judged=_judged(290.0, parameters, akaike=akaike))
+        for name, parameters, (gone, akaike) in (("shorter", 17, shorter), ("longer", 18, longer))
+    ]
     assert best_heard(heard, TESTS).name == taken
 
 

@@ -1,6 +1,7 @@
 """The truth table of discovery: its laws are what their equations say, and answers are judged by their force."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -214,6 +215,27 @@ def test_effects_in_whose_place_a_term_stands_leave_nothing_to_it(jammed):
     after = fit_structure(with_term(JAMMED), loops).law
     bare, parts = (fit_structure(Structure("power", own), loops).law for own in ((), ("quadratic_damping",)))
     assert difference(drawn, sizes, parts, after) == pytest.approx(difference(drawn, sizes, bare, after))
+
+
+def test_what_was_put_in_first_of_all_is_held_against_what_is_hidden(jammed, monkeypatch):
+    """Also in the place of an effect of the catalogue, where that had to be reckoned by hand; not beside it."""
+    from beyond import judge
+
+    from pipeclamp_identification.fitting.identify import fit_structure
+    from pipeclamp_models.law.law import Structure
+
+    drawn, sizes, loops = jammed
+    before, after, gap = (
+        fit_structure(one, loops).law for one in (Structure("power"), with_term(JAMMED), Structure("power", ("gap",)))
+    )
+    monkeypatch.setattr(judge, "law_of", lambda law: law)
+    nothing, first = SimpleNamespace(before=before, after=None), SimpleNamespace(before=before, after=after)
+    expected = pytest.approx(judge.difference(drawn, sizes, before, after), abs=1e-4)
+    assert judge.how_far_off("coulomb", drawn, sizes, [nothing, first]) == expected
+    beside = [SimpleNamespace(before=before, after=gap)]
+    assert np.isnan(judge.how_far_off("gap", drawn, sizes, beside))
+    assert np.isnan(judge.how_far_off("", drawn, (), [first]))
+    assert np.isnan(judge.how_far_off("coulomb", drawn, sizes, [nothing]))
 
 
 def answered(proposed, family="damper"):
