@@ -5,6 +5,7 @@ Evidence is counted in whitened harmonics per run, never in raw samples.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,8 @@ class LackOfFit:
 
     Attributes:
         p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
-            alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
+            alone, or as stiffness or damping that follows one condition or a constant force, whichever is least likely,
+            times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
         sure_share: the same, less what scatter may have added to it by chance; at least what no run can differ by.
         most_share: the same, with what scatter may have taken from it by chance.
@@ -92,7 +94,7 @@ class LackOfFit:
 
 
 def lack_of_fit(
-    fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, directed: Array, noise_rms: Array
+    fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, directed: Sequence[Array], noise_rms: Array
 ) -> LackOfFit:
     """Test whether residuals follow the conditions: significance in units of the noise, size in newtons.
 
@@ -101,7 +103,7 @@ def lack_of_fit(
         plain: the residuals in N, shape (R, m).
         noise: the noise model.
         smooth: orthonormal functions of the conditions, shape (R, q).
-        directed: whitened changes of force that are looked for one by one, in d directions each, (c, d, R, m).
+        directed: whitened changes of force that are looked for one by one, in d directions each, shape (d, R, m).
         noise_rms: force noise per sample of each run, N, shape (R,).
     """
     runs, channels, count = fitted.jacobian.shape
@@ -170,18 +172,18 @@ def _whole(mean_and_loop: Array) -> float:
     return float(np.maximum(mean_and_loop, 0.0).sum())
 
 
-def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:
+def _least_likely(directed: Sequence[Array], residual: Array, basis: Array, free: int) -> float:
     """Give the chance that noise alone makes the largest of several changes as large as it is.
 
     Args:
-        directed: the changes, each a plane of d directions, shape (c, d, R, m); what the law's parameters can make of
+        directed: the changes, each a plane of d directions, shape (d, R, m); what the law's parameters can make of
             them counts for nothing.
         residual: shape (R, m).
         basis: orthonormal, of what the parameters can do, shape (R m, P).
         free: runs that told the size of the scatter.
     """
     chances = []
-    for each in directed:  # none, where all runs are at one condition
+    for each in directed:
         plane = each.reshape(len(each), -1)
         own = plane - (plane @ basis) @ basis.T
         known = np.linalg.norm(own, axis=1) > INDEPENDENT * np.linalg.norm(plane, axis=1)
