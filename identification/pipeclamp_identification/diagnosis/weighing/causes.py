@@ -7,8 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.candidates import distinct, ranked
-from pipeclamp_identification.diagnosis.foretold import explained_share, share_of_error
+from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, ranked
+from pipeclamp_identification.diagnosis.foretold import (
+    MEASURE_OF_SHARES,
+    explained_share,
+    share_of_error,
+    takes_part,
+)
 from pipeclamp_identification.diagnosis.named import listed
 from pipeclamp_identification.diagnosis.objections import without_essence
 from pipeclamp_identification.diagnosis.problem import Judged
@@ -17,8 +22,10 @@ from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     CAUSE_NOISE_SHARE,
     HALF_TAKEN_SHARE,
+    MATERIAL_PART_SHARE,
     RIVAL_LIKELIHOOD,
 )
+from pipeclamp_identification.diagnosis.weighing.between_levels import rests_on
 from pipeclamp_identification.diagnosis.weighing.reasons import NEXT_TO_NOTHING
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
@@ -79,14 +86,31 @@ def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weigh
     name = best.effects[0]
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(name)]
     if against := _weak_harmonics(best, others, scales) or _more_in_force(best, others, scales):
-        reason = f"{name} leaves little over, but {against}: neither has the exact form"
-        return Weighed("missing", (name,), "part", best, None, (reason,))
+        return _neither_fits(best, against, others, scales)
     if form := _form_left(best, scales):
         return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}",))
     reason = f"{name} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in _generals(best, scales) if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     return Weighed("missing", (name,), "cause", best, None, (reason,))
+
+
+def _neither_fits(best: Judged, against: str, others: Sequence[Judged], scales: Scales) -> Weighed:
+    """Name a part, of an effect that explains what is missing and others that do better by another measure.
+
+    It is what the fit to all tests prefers of those that take as much in N on left-out conditions, but for a trifle.
+    """
+    law, problem = scales.law, scales.problem
+    enough = explained_share(best, law) - MATERIAL_PART_SHARE
+    as_much = [each for each in others if explained_share(each, law) >= enough and each.akaike < best.akaike]
+    able = [each for each in as_much if takes_part(each, law, problem) and rests_on(each, law, problem) is None]
+    named = likeliest([best, *able])
+    name, other = named.effects[0], best.effects[0]
+    does = f"{name} leaves little over, but {against}"
+    if named is not best:
+        takes = f"{name} takes {explained_share(named, law):.0%} of what is missing ({MEASURE_OF_SHARES})"
+        does = f"{takes}, and the fit to all tests prefers it; {other} leaves less that follows the conditions"
+    return Weighed("missing", (name,), "part", named, None, (f"{does}: neither has the exact form",))
 
 
 def _names(alike: Sequence[Judged]) -> tuple[str, ...]:
