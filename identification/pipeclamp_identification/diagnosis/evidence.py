@@ -184,7 +184,7 @@ def _mean_force(mean: Array, variance: Array, smooth: Array, freedoms: float, to
         expected = float(np.sum(functions**2, axis=1) @ variance) * free / functions.shape[1]
         by_chance = expected * ratio_of_chance(MEAN_BY_CHANCE, free, told_by)
         found.append(max(squares - by_chance, min(squares - expected, 0.0)))
-    return max(found) / runs
+    return float(max(found) / runs)
 
 
 def _mean_and_loop(by_channel: Array) -> Array:

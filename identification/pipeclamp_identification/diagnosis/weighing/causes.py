@@ -87,12 +87,12 @@ def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weigh
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(name)]
     if against := _weak_harmonics(best, others, scales) or _more_in_force(best, others, scales):
         return _neither_fits(best, against, others, scales)
+    likelier = [each.effects[0] for each in _generals(best, scales) if each.akaike < best.akaike]
+    beside = f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
+    told = beside if likelier else ""
     if form := _form_left(best, scales):
-        return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}",))
-    reason = f"{name} explains it and no rival comes near"
-    if likelier := [each.effects[0] for each in _generals(best, scales) if each.akaike < best.akaike]:
-        reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
-    return Weighed("missing", (name,), "cause", best, None, (reason,))
+        return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}{told}",))
+    return Weighed("missing", (name,), "cause", best, None, (f"{name} explains it and no rival comes near{told}",))
 
 
 def _neither_fits(best: Judged, against: str, others: Sequence[Judged], scales: Scales) -> Weighed:
