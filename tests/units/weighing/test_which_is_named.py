@@ -186,6 +186,28 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(r
     assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")[: 1 + rivals]
 
 
+@pytest.mark.parametrize(
+    ("chance", "of_rival", "named"),
+    [
+        (0.5, 0.0, ("gas_spring", "asymmetry")),
+        (0.5, 0.5, ("gas_spring", "asymmetry", "pressed_slip")),
+        (0.0, 0.0, ("pressed_slip", "asymmetry")),
+    ],
+)
+def test_rivals_by_a_form_that_none_has_give_way_to_a_general_effect_that_has_it(chance, of_rival, named, monkeypatch):
+    """A gas spring left scatter alone, far likelier than any other, and was the fourth of five not to be told apart."""
+    general, special = candidate("gas_spring", 7.0, 70.0), candidate("asymmetry", 8.0, 101.0)
+    rival, law = candidate("pressed_slip", 8.0, 100.0), candidate("", 100.0, 1000.0)
+    for each, p_value in ((general, chance), (special, 0.0), (rival, of_rival)):
+        each.lack = SimpleNamespace(p_value=p_value, share=0.05, sure_share=0.05)
+    alike = (special, rival)
+    stand_in(
+        monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
+    )
+    found = causes.one_cause(rival, [rival, special], on_scales(law, [general, rival, special]))
+    assert (found.verdict, found.effects) == ("ambiguous", named)
+
+
 def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypatch):
     """Of a weak gas spring, first of all, an asymmetry and a slip that is pressed had been named, and it not."""
     general, special = candidate("gas_spring", 7.0, 90.0), candidate("asymmetry", 8.0, 100.0)

@@ -23,6 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     CAUSE_NOISE_SHARE,
     HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
+    REAL_LACK_CHANCE,
     RIVAL_LIKELIHOOD,
 )
 from pipeclamp_identification.diagnosis.weighing.between_levels import rests_on
@@ -58,14 +59,36 @@ def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
 
 
 def _a_general_effect_and(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
-    """Name an effect that fits clearly better than its special case, the best, beside it; None where none does."""
-    clearly = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
-    if not clearly:
-        return None
-    general, names = clearly[0], _names(alike)
+    """Name an effect that fits clearly better than a special case of it, beside that; None where none does."""
+    found = _of_the_exact_form(alike, scales)
+    if found is None:
+        clearly = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
+        if not clearly:
+            return None
+        found = clearly[0], alike
+    general, names = found[0], _names(found[1])
     fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
     reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
     return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
+
+
+def _of_the_exact_form(alike: Sequence[Judged], scales: Scales) -> tuple[Judged, Sequence[Judged]] | None:
+    """Give a general effect that fits clearly better than all of these and leaves scatter alone, and what stays beside.
+
+    Its special cases do, which it may stand for, and what leaves scatter alone too. The others came near each other by
+    what each leaves of a form that none of them has; it has that form.
+    """
+    for special in alike:
+        for general in _generals(special, scales):
+            if _leaves_scatter(general) and not rivals_of(general, alike, scales.problem):
+                others = [one for one in alike if _leaves_scatter(one) or general in _generals(one, scales)]
+                return general, [special, *(one for one in others if one is not special)]
+    return None
+
+
+def _leaves_scatter(judged: Judged) -> bool:
+    """Tell whether nothing real is left over, in units of the noise."""
+    return judged.lack.p_value > REAL_LACK_CHANCE
 
 
 def _one_of(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
