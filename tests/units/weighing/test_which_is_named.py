@@ -208,6 +208,33 @@ def test_rivals_by_a_form_that_none_has_give_way_to_a_general_effect_that_has_it
     assert (found.verdict, found.effects) == ("ambiguous", named)
 
 
+@pytest.mark.parametrize(
+    ("leaves", "near", "verdict", "named"),
+    [
+        (0.34, False, "missing", ("inner_mass",)),
+        (0.05, False, "ambiguous", ("inner_mass", "relaxation")),
+        (0.34, True, "ambiguous", ("inner_mass", "relaxation")),
+    ],
+)
+def test_a_general_effect_is_named_alone_where_its_special_case_surely_leaves_something(
+    leaves, near, verdict, named, monkeypatch
+):
+    """What a rough asymmetry left, scatter may have made; what relaxation left beside a mass inside, it can't have."""
+    general, special, law = (
+        candidate(*of) for of in (("inner_mass", 7.0, 70.0), ("relaxation", 8.0, 99.0), ("", 100.0, 1e3))
+    )
+    other = candidate("oil_damper", 7.0, 75.0)
+    for each, p_value, share in ((general, 0.9, 0.0), (special, 0.08, leaves), (other, 0.9, 0.0)):
+        each.lack = SimpleNamespace(p_value=p_value, share=share, sure_share=share)
+    stand_in(
+        monkeypatch,
+        "rivals_of",
+        lambda best, asked, problem: [one for one in asked if near and best is general and one is other],
+    )
+    found = causes.one_cause(special, [special], on_scales(law, [general, other, special]))
+    assert (found.verdict, found.kind, found.effects) == (verdict, "part", named)
+
+
 def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypatch):
     """Of a weak gas spring, first of all, an asymmetry and a slip that is pressed had been named, and it not."""
     general, special = candidate("gas_spring", 7.0, 90.0), candidate("asymmetry", 8.0, 100.0)

@@ -61,6 +61,8 @@ def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
 def _a_general_effect_and(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
     """Name an effect that fits clearly better than a special case of it, beside that; None where none does."""
     found = _of_the_exact_form(alike, scales)
+    if found is not None and (alone := _general_alone(*found, scales)):
+        return alone
     if found is None:
         clearly = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
         if not clearly:
@@ -84,6 +86,24 @@ def _of_the_exact_form(alike: Sequence[Judged], scales: Scales) -> tuple[Judged,
                 others = [one for one in alike if _leaves_scatter(one) or general in _generals(one, scales)]
                 return general, [special, *(one for one in others if one is not special)]
     return None
+
+
+def _general_alone(general: Judged, beside: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name a general effect alone where each of those beside it leaves something material that scatter can't have made.
+
+    It is a part: one of them may stand behind it in another form. None where one leaves no more than scatter may make,
+    so that what tells them apart is next to nothing in N, or where another general effect comes near.
+    """
+    least = min(one.lack.sure_share for one in beside)
+    generals = [each for one in beside for each in _generals(one, scales)]
+    if least < scales.tolerance.complete or rivals_of(general, generals, scales.problem):
+        return None
+    name, names = general.effects[0], _names(beside)
+    leave = (
+        f"{listed(names)} leave{'' if names[1:] else 's'} {least:.2g} times the noise, or more, that scatter can't make"
+    )
+    reason = f"{name} leaves scatter alone; {leave}, but may stand behind it in another form"
+    return Weighed("missing", (name,), "part", general, None, (reason,))
 
 
 def _leaves_scatter(judged: Judged) -> bool:
