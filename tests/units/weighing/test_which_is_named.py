@@ -235,6 +235,27 @@ def test_a_general_effect_is_named_alone_where_its_special_case_surely_leaves_so
     assert (found.verdict, found.kind, found.effects) == (verdict, "part", named)
 
 
+@pytest.mark.parametrize(
+    ("leaves", "verdict", "named"),
+    [(0.48, "missing", ("directional_slip",)), (0.24, "ambiguous", ("slip_lock", "directional_slip"))],
+)
+def test_a_general_effect_that_takes_of_a_form_that_neither_has_must_leave_less_in_newtons(
+    leaves, verdict, named, monkeypatch
+):
+    """Two slips, one early and one late, had been `slip_lock` or `directional_slip`, and the former left more."""
+    general, special, law = (
+        candidate(*of) for of in (("slip_lock", 7.0, 70.0), ("directional_slip", 8.0, 99.0), ("", 100.0, 1e3))
+    )
+    for each, share in ((general, leaves), (special, 0.34), (law, 9.0)):
+        each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: asked if best is special else [])
+    found = causes.one_cause(special, [special], on_scales(law, [general, special]))
+    assert (found.verdict, found.kind, found.effects) == (verdict, "part", named)
+    assert ("slip_lock, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) == (
+        verdict == "missing"
+    )
+
+
 def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypatch):
     """Of a weak gas spring, first of all, an asymmetry and a slip that is pressed had been named, and it not."""
     general, special = candidate("gas_spring", 7.0, 90.0), candidate("asymmetry", 8.0, 100.0)

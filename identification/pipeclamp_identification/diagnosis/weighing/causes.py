@@ -59,12 +59,16 @@ def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
 
 
 def _a_general_effect_and(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
-    """Name an effect that fits clearly better than a special case of it, beside that; None where none does."""
+    """Name an effect that fits clearly better than a special case of it, beside that; None where none does.
+
+    Where it doesn't leave scatter alone it must leave less in N, too: of a form that neither has it takes some anyway.
+    """
     found = _of_the_exact_form(alike, scales)
     if found is not None and (alone := _general_alone(*found, scales)):
         return alone
     if found is None:
-        clearly = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
+        better = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
+        clearly = [each for each in better if _leaves_scatter(each) or each.lack.share < alike[0].lack.share]
         if not clearly:
             return None
         found = clearly[0], alike
@@ -128,9 +132,10 @@ def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weigh
     """Name one effect: as the cause, or as a part where another one does better by another measure, or form is left."""
     name = best.effects[0]
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(name)]
-    if against := _weak_harmonics(best, others, scales) or _more_in_force(best, others, scales):
+    generals = _generals(best, scales)
+    if against := _weak_harmonics(best, [*others, *generals], scales) or _more_in_force(best, others, scales):
         return _neither_fits(best, against, others, scales)
-    likelier = [each.effects[0] for each in _generals(best, scales) if each.akaike < best.akaike]
+    likelier = [each.effects[0] for each in generals if each.akaike < best.akaike]
     beside = f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     told = beside if likelier else ""
     if form := _form_left(best, scales):
