@@ -5,6 +5,7 @@ Evidence is counted in whitened harmonics per run, never in raw samples.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,13 +13,15 @@ import numpy as np
 from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE, NoiseModel
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.chances import of_larger_ratio, of_larger_squares
+from pipeclamp_identification.signals.chances import of_larger_ratio, of_larger_squares, ratio_of_chance
 from pipeclamp_models.base.arrays import Array
 
 INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
 CHANCE_STANDARD_ERRORS = 2.0
 """Standard errors by which scatter may have added to what follows the conditions, or hidden of it."""
+MEAN_BY_CHANCE = float(of_larger_squares(CHANCE_STANDARD_ERRORS**2, 1)) / 2
+"""Chance by which scatter may have made what is left of mean forces: that of so many standard errors, on one side."""
 SCATTERED = 1e-3
 """Share of a harmonic's variance below which its being scatter from run to run leaves it as well known as noise."""
 LOW_HARMONICS = 7
@@ -66,7 +69,8 @@ class LackOfFit:
 
     Attributes:
         p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
-            alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
+            alone, or as stiffness or damping that follows one condition or a constant force, whichever is least likely,
+            times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
         sure_share: the same, less what scatter may have added to it by chance; at least what no run can differ by.
         most_share: the same, with what scatter may have taken from it by chance.
@@ -92,7 +96,7 @@ class LackOfFit:
 
 
 def lack_of_fit(
-    fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, directed: Array, noise_rms: Array
+    fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, directed: Sequence[Array], noise_rms: Array
 ) -> LackOfFit:
     """Test whether residuals follow the conditions: significance in units of the noise, size in newtons.
 
@@ -101,7 +105,7 @@ def lack_of_fit(
         plain: the residuals in N, shape (R, m).
         noise: the noise model.
         smooth: orthonormal functions of the conditions, shape (R, q).
-        directed: whitened changes of force that are looked for one by one, in d directions each, (c, d, R, m).
+        directed: whitened changes of force that are looked for one by one, in d directions each, shape (d, R, m).
         noise_rms: force noise per sample of each run, N, shape (R,).
     """
     runs, channels, count = fitted.jacobian.shape
@@ -126,10 +130,12 @@ def lack_of_fit(
     alone = of_larger_ratio(explained / wanted, wanted, told_by)
     p_values.append(min(1.0, channels * float(alone.min())))
     p_values.append(_least_likely(directed, fitted.residual, flat, free))
-    by_channel, chance = _above_scatter(np.where(seen, plain, 0.0), expected, smooth, wanted)
+    plain = np.where(seen, plain, 0.0)
+    by_channel, chance = _above_scatter(plain, expected, smooth, wanted)
     # What runs can't differ by is no scatter, however large that is.
     own = leverage @ np.where(seen, noise.over_runs(noise.noise_and_mean()), 0.0) * freedoms / smooth.shape[1]
     by_form, chance_of_form = _above_scatter(np.where(seen, noise.no_scatter(plain), 0.0), own, smooth, wanted)
+    by_channel[0] = by_form[0] = _mean_force(plain[:, 0], variance[:, 0], smooth, float(wanted[0]), float(told_by[0]))
     excess = _mean_and_loop(by_channel)
     least = np.maximum(excess - chance, _mean_and_loop(by_form) - chance_of_form)
     share, sure_share, most_share = (
@@ -148,16 +154,37 @@ def _above_scatter(plain: Array, expected: Array, smooth: Array, freedoms: Array
         freedoms: squares of which each of these is a sum, shape (m,).
 
     Returns:
-        by harmonic part, shape (m,), and what chance may have added, of the mean force and of all others, shape (2,).
+        by harmonic part, shape (m,), and what chance may have added to all but the mean force, shape (2,).
     """
     by_channel = (np.sum((smooth.T @ plain) ** 2, axis=0) - expected) / len(plain)
     error = expected * np.sqrt(2 / freedoms) / len(plain)
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
     error[1:] /= 2
-    # Mean forces may scatter by more than a loop's noise: of them counts what scatter can't have made.
-    by_channel[0] = max(by_channel[0] - CHANCE_STANDARD_ERRORS * error[0], min(by_channel[0], 0.0))
     return by_channel, np.array([0.0, CHANCE_STANDARD_ERRORS * np.linalg.norm(error[1:])])
+
+
+def _mean_force(mean: Array, variance: Array, smooth: Array, freedoms: float, told_by: float) -> float:
+    """Give the mean square of mean forces that scatter can't have made, N2; below zero where that happened to be small.
+
+    Of what follows the conditions, or is the same in all runs, whichever shows more. They may scatter by more than a
+    loop's noise, and few runs tell by how much: the ratio to what is expected has the F distribution.
+
+    Args:
+        mean: each run's mean force that is left over, N, shape (R,).
+        variance: that noise and scatter make of it, N2, shape (R,).
+        smooth: orthonormal functions of the conditions, shape (R, q).
+        freedoms: of them, less what the law's parameters take.
+        told_by: degrees of freedom by which the variance is known.
+    """
+    runs = len(mean)
+    found = []
+    for functions, free in ((smooth, freedoms), (np.full((runs, 1), runs**-0.5), 1.0)):
+        squares = float(np.sum((functions.T @ mean) ** 2))
+        expected = float(np.sum(functions**2, axis=1) @ variance) * free / functions.shape[1]
+        by_chance = expected * ratio_of_chance(MEAN_BY_CHANCE, free, told_by)
+        found.append(max(squares - by_chance, min(squares - expected, 0.0)))
+    return float(max(found) / runs)
 
 
 def _mean_and_loop(by_channel: Array) -> Array:
@@ -170,18 +197,18 @@ def _whole(mean_and_loop: Array) -> float:
     return float(np.maximum(mean_and_loop, 0.0).sum())
 
 
-def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:
+def _least_likely(directed: Sequence[Array], residual: Array, basis: Array, free: int) -> float:
     """Give the chance that noise alone makes the largest of several changes as large as it is.
 
     Args:
-        directed: the changes, each a plane of d directions, shape (c, d, R, m); what the law's parameters can make of
+        directed: the changes, each a plane of d directions, shape (d, R, m); what the law's parameters can make of
             them counts for nothing.
         residual: shape (R, m).
         basis: orthonormal, of what the parameters can do, shape (R m, P).
         free: runs that told the size of the scatter.
     """
     chances = []
-    for each in directed:  # none, where all runs are at one condition
+    for each in directed:
         plane = each.reshape(len(each), -1)
         own = plane - (plane @ basis) @ basis.T
         known = np.linalg.norm(own, axis=1) > INDEPENDENT * np.linalg.norm(plane, axis=1)

@@ -117,9 +117,15 @@ class Problem:
         return np.asarray(score.mean_squares - self.scatter_squares)
 
     @cached_property
-    def share_trends(self) -> Array:
-        """Stiffness and damping that follow one condition each, against the noise, shape (c, 2, R, m)."""
-        return np.asarray(np.einsum("rij,cdrj->cdri", self.against_noise.whitener, self.noise.share_trends(self.loops)))
+    def directed(self) -> tuple[Array, ...]:
+        """Changes of force that are looked for one by one, against the noise, in d directions each, shape (d, R, m).
+
+        Stiffness and damping that follow one condition each; and a mean force that is the same in all runs.
+        """
+        constant = np.zeros((1, *self.noise.variance.shape))
+        constant[0, :, 0] = 1.0
+        changes = (*self.noise.share_trends(self.loops), constant)
+        return tuple(np.einsum("rij,drj->dri", self.against_noise.whitener, change) for change in changes)
 
 
 @dataclass(frozen=True)
@@ -263,7 +269,7 @@ def judge(
     left_out = problem.groups >= 0
     plain = problem.plain_residual(result.law_force)
     lack = lack_of_fit(
-        against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.scatter_rms_N
+        against_noise, plain, problem.noise, problem.smooth, problem.directed, problem.loops.scatter_rms_N
     )
     beyond = float(problem.excess_squares(score)[left_out].sum())
     missing = max(beyond, lack.excess * np.count_nonzero(left_out))

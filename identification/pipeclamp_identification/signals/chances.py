@@ -18,6 +18,11 @@ def of_larger_ratio(ratio: Array | float, freedoms: Array | float, beside: Array
     return np.asarray(special.fdtrc(freedoms, beside, np.maximum(ratio, 0.0)))
 
 
+def ratio_of_chance(chance: float, freedoms: float, beside: float) -> float:
+    """Give the ratio of two mean squares that is exceeded with this chance; arguments as in `of_larger_ratio`."""
+    return float(special.fdtri(freedoms, beside, 1.0 - chance))
+
+
 def of_larger_squares(squares: Array | float, freedoms: Array | float) -> Array:
     """Give the chance of a larger sum of squares of standard normal numbers (chi-squared distribution)."""
     return np.asarray(special.chdtrc(freedoms, np.maximum(squares, 0.0)))

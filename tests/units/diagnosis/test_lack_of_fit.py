@@ -101,6 +101,31 @@ def test_stretches_of_a_run_are_off_alike_and_tell_of_scatter_once():
     assert np.mean(np.array(chances) < 0.01) < 0.03
 
 
+@pytest.mark.parametrize("constant", [0.0, 4.0])
+def test_of_mean_forces_counts_what_scatter_told_by_few_runs_can_not_have_made(constant):
+    """By the normal distribution a tenth of all rigs whose zeros scatter had means that "follow the conditions"."""
+    random = np.random.default_rng(3)
+    A, f, T = np.array([(A, f, T) for A in AMPLITUDES for f in FREQUENCIES for T in (290.0, 350.0, 400.0)]).T
+    runs, of_means = len(A), 5.0
+    smooth = smooth_functions(A, f, T, (), [None] * runs)
+    free, shape = runs - smooth.shape[1], (runs, CHANNELS)
+    standard_error = of_means / np.sqrt(runs)
+    none, variance = np.zeros(shape), np.full(shape, NOISE**2)
+    left = []
+    for _ in range(2 * DRAWS):
+        residual = NOISE * random.standard_normal(shape)
+        residual[:, 0] += of_means * random.standard_normal(runs) + constant * standard_error
+        mean_N = of_means * np.sqrt(random.chisquare(free) / free)
+        model = NoiseModel(variance, Directions(none, none, none), RunScatter(mean_N=mean_N), 0.0)
+        fitted = Whitened(np.einsum("rij,rj->ri", model.whitener(), residual), np.zeros((*shape, 1)), np.zeros(0))
+        lack = lack_of_fit(fitted, residual, model, smooth, (), np.full(runs, NOISE))
+        left.append(np.sqrt(max(lack.by_channel[0], 0.0)))
+    if constant:
+        assert np.mean(np.array(left) > 0.5 * constant * standard_error) > 0.75
+    else:
+        assert np.mean(np.array(left) > 0.0) < 0.07
+
+
 @pytest.mark.parametrize(
     ("share", "words"),
     [

@@ -63,6 +63,14 @@ def test_zeros_of_the_displacement_that_scatter_are_nothing_missing(tmp_path):
     assert "mm of the displacement's zero" in found.reasons[0]
 
 
+def test_a_constant_force_that_all_means_show_is_missing_though_they_scatter_by_more(tmp_path):
+    """Over all functions of the conditions a constant was one of thirteen: 0.7 times the noise had been `complete`."""
+    law = Law(Structure("power", ("offset",)), {**BASE, "F_o": 0.8 * SCATTER_N}, 0.0126, 0.002)
+    found = diagnose(Structure("power"), off_by_zeros(tmp_path / "campaign", law, SCATTER_N, 0.0))
+    assert (found.verdict, found.effects) == ("missing", ("offset",))
+    assert found.problem.noise.scatter.mean_N > 0.8 * SCATTER_N
+
+
 def test_means_that_stuck_elements_leave_open_may_scatter_as_the_load_does(tmp_path):
     """48 runs of a clamp with friction under 800 N had come to six effects, three of them wrong, and to `unknown`."""
     friction = {"k_s": 600.0, "z_s": 0.3}

@@ -7,8 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.candidates import distinct, ranked
-from pipeclamp_identification.diagnosis.foretold import explained_share, share_of_error
+from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, ranked
+from pipeclamp_identification.diagnosis.foretold import (
+    MEASURE_OF_SHARES,
+    explained_share,
+    share_of_error,
+    takes_part,
+)
 from pipeclamp_identification.diagnosis.named import listed
 from pipeclamp_identification.diagnosis.objections import without_essence
 from pipeclamp_identification.diagnosis.problem import Judged
@@ -17,8 +22,11 @@ from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     CAUSE_NOISE_SHARE,
     HALF_TAKEN_SHARE,
+    MATERIAL_PART_SHARE,
+    REAL_LACK_CHANCE,
     RIVAL_LIKELIHOOD,
 )
+from pipeclamp_identification.diagnosis.weighing.between_levels import rests_on
 from pipeclamp_identification.diagnosis.weighing.reasons import NEXT_TO_NOTHING
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
@@ -51,14 +59,60 @@ def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
 
 
 def _a_general_effect_and(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
-    """Name an effect that fits clearly better than its special case, the best, beside it; None where none does."""
-    clearly = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
-    if not clearly:
-        return None
-    general, names = clearly[0], _names(alike)
+    """Name an effect that fits clearly better than a special case of it, beside that; None where none does.
+
+    Where it doesn't leave scatter alone it must leave less in N, too: of a form that neither has it takes some anyway.
+    """
+    found = _of_the_exact_form(alike, scales)
+    if found is not None and (alone := _general_alone(*found, scales)):
+        return alone
+    if found is None:
+        better = [each for each in _generals(alike[0], scales) if not rivals_of(each, [alike[0]], scales.problem)]
+        clearly = [each for each in better if _leaves_scatter(each) or each.lack.share < alike[0].lack.share]
+        if not clearly:
+            return None
+        found = clearly[0], alike
+    general, names = found[0], _names(found[1])
     fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
     reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
     return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
+
+
+def _of_the_exact_form(alike: Sequence[Judged], scales: Scales) -> tuple[Judged, Sequence[Judged]] | None:
+    """Give a general effect that fits clearly better than all of these and leaves scatter alone, and what stays beside.
+
+    Its special cases do, which it may stand for, and what leaves scatter alone too. The others came near each other by
+    what each leaves of a form that none of them has; it has that form.
+    """
+    for special in alike:
+        for general in _generals(special, scales):
+            if _leaves_scatter(general) and not rivals_of(general, alike, scales.problem):
+                others = [one for one in alike if _leaves_scatter(one) or general in _generals(one, scales)]
+                return general, [special, *(one for one in others if one is not special)]
+    return None
+
+
+def _general_alone(general: Judged, beside: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name a general effect alone where each of those beside it leaves something material that scatter can't have made.
+
+    It is a part: one of them may stand behind it in another form. None where one leaves no more than scatter may make,
+    so that what tells them apart is next to nothing in N, or where another general effect comes near.
+    """
+    least = min(one.lack.sure_share for one in beside)
+    generals = [each for one in beside for each in _generals(one, scales)]
+    if least < scales.tolerance.complete or rivals_of(general, generals, scales.problem):
+        return None
+    name, names = general.effects[0], _names(beside)
+    leave = (
+        f"{listed(names)} leave{'' if names[1:] else 's'} {least:.2g} times the noise, or more, that scatter can't make"
+    )
+    reason = f"{name} leaves scatter alone; {leave}, but may stand behind it in another form"
+    return Weighed("missing", (name,), "part", general, None, (reason,))
+
+
+def _leaves_scatter(judged: Judged) -> bool:
+    """Tell whether nothing real is left over, in units of the noise."""
+    return judged.lack.p_value > REAL_LACK_CHANCE
 
 
 def _one_of(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -78,15 +132,33 @@ def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weigh
     """Name one effect: as the cause, or as a part where another one does better by another measure, or form is left."""
     name = best.effects[0]
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(name)]
-    if against := _weak_harmonics(best, others, scales) or _more_in_force(best, others, scales):
-        reason = f"{name} leaves little over, but {against}: neither has the exact form"
-        return Weighed("missing", (name,), "part", best, None, (reason,))
+    generals = _generals(best, scales)
+    if against := _weak_harmonics(best, [*others, *generals], scales) or _more_in_force(best, others, scales):
+        return _neither_fits(best, against, others, scales)
+    likelier = [each.effects[0] for each in generals if each.akaike < best.akaike]
+    beside = f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
+    told = beside if likelier else ""
     if form := _form_left(best, scales):
-        return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}",))
-    reason = f"{name} explains it and no rival comes near"
-    if likelier := [each.effects[0] for each in _generals(best, scales) if each.akaike < best.akaike]:
-        reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
-    return Weighed("missing", (name,), "cause", best, None, (reason,))
+        return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}{told}",))
+    return Weighed("missing", (name,), "cause", best, None, (f"{name} explains it and no rival comes near{told}",))
+
+
+def _neither_fits(best: Judged, against: str, others: Sequence[Judged], scales: Scales) -> Weighed:
+    """Name a part, of an effect that explains what is missing and others that do better by another measure.
+
+    It is what the fit to all tests prefers of those that take as much in N on left-out conditions, but for a trifle.
+    """
+    law, problem = scales.law, scales.problem
+    enough = explained_share(best, law) - MATERIAL_PART_SHARE
+    as_much = [each for each in others if explained_share(each, law) >= enough and each.akaike < best.akaike]
+    able = [each for each in as_much if takes_part(each, law, problem) and rests_on(each, law, problem) is None]
+    named = likeliest([best, *able])
+    name, other = named.effects[0], best.effects[0]
+    does = f"{name} leaves little over, but {against}"
+    if named is not best:
+        takes = f"{name} takes {explained_share(named, law):.0%} of what is missing ({MEASURE_OF_SHARES})"
+        does = f"{takes}, and the fit to all tests prefers it; {other} leaves less that follows the conditions"
+    return Weighed("missing", (name,), "part", named, None, (f"{does}: neither has the exact form",))
 
 
 def _names(alike: Sequence[Judged]) -> tuple[str, ...]:
