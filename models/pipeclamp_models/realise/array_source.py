@@ -47,7 +47,8 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
             text = f"{self._module_format('numpy.where')}({self._print(condition)}, {self._print(value)}, {text})"
         return str(text)
 
-    def _extremum(self, function: str, arguments: tuple[sp.Expr, ...]) -> str:
+    def _in_turn(self, function: str, arguments: tuple[sp.Basic, ...]) -> str:
+        """Print a function of two as one of several: arrays of different shapes go together in it."""
         first, *rest = arguments
         text = self._print(first)
         for argument in rest:
@@ -55,10 +56,16 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
         return str(text)
 
     def _print_Max(self, expression: sp.Max) -> str:
-        return self._extremum("numpy.maximum", expression.args)
+        return self._in_turn("numpy.maximum", expression.args)
 
     def _print_Min(self, expression: sp.Min) -> str:
-        return self._extremum("numpy.minimum", expression.args)
+        return self._in_turn("numpy.minimum", expression.args)
+
+    def _print_And(self, expression: sp.And) -> str:
+        return self._in_turn("numpy.logical_and", expression.args)
+
+    def _print_Or(self, expression: sp.Or) -> str:
+        return self._in_turn("numpy.logical_or", expression.args)
 
 
 @bounded()

@@ -50,3 +50,14 @@ def test_bounds_that_cross_for_the_tests_are_told(observations):
         UserError, match=r"parameter q_1: for these tests its bounds are .*; expected a lower one below"
     ):
         fit(with_effect(crossed), observations)
+
+
+def test_a_condition_that_the_tests_dont_state_is_told(observations):
+    with pytest.raises(UserError, match="depends on density_g_cm3, which not all tests state"):
+        fit(with_effect(declared("q_1 * y * rho")), observations)
+
+
+def test_the_smallest_of_a_motion_and_several_conditions_is_fitted(observations):
+    """Conditions are a number a run and a motion one a sample: their comparisons, in derivatives, had no one shape."""
+    structure = with_effect(declared("q_1 * max(min(y, v, A, f, 1), -1)", unit="N/mm"))
+    assert "q_1" in fit(structure, observations).fitted
