@@ -209,6 +209,8 @@ def test_a_file_where_a_campaign_is_expected(refused, small):
 def test_a_declaration_where_a_law_or_system_is_expected(refused, small, tmp_path):
     (tmp_path / "bracket.toml").write_text('id = "bracket"\n[[parameters]]\nsymbol = "k"\n', encoding="utf-8")
     assert "declares the effect 'bracket'; expected a law" in refused("compare", tmp_path / "bracket.toml", small)
+    told = refused("plan", "-o", tmp_path / "plan", "--law", tmp_path / "bracket.toml")
+    assert "declares the effect 'bracket'; expected a law" in told
 
 
 def test_an_output_that_is_a_folder(refused, law, small, tmp_path):

@@ -61,8 +61,8 @@ def laws_view(laws: Sequence[tuple[LawFile, Held]]) -> View:
     ]
     table = laws_table([(file, held.nrmse, known_scatter_of(held)) for file, held in laws])
     best = least_error([held for _, held in laws])
-    lines = [least_words([file for file, _ in laws], best), *views[best].lines]
-    return View(LawsComparisonAnswer(laws=tuple(answers)), [table], lines)
+    least = [least_words([file for file, _ in laws], best)] if len(laws) > 1 else []
+    return View(LawsComparisonAnswer(laws=tuple(answers)), [table], [*least, *views[best].lines])
 
 
 def known_scatter_of(held: Held) -> float | None:

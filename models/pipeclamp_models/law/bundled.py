@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.toml_file import refuse_described
+from pipeclamp_models.law.declaration_files import refuse_declaration
 from pipeclamp_models.law.file import LawFile, parse_law, read_law
 
 
@@ -25,6 +26,7 @@ def open_law(name_or_path: str) -> LawFile:
     path = Path(name_or_path)
     if path.suffix == ".toml":
         refuse_described(path, "a law")
+        refuse_declaration(path)
     if path.exists() or path.suffix:
         return read_law(path)
     names = bundled_laws()
