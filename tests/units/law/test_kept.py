@@ -28,7 +28,7 @@ STRUCTURES = [
     Structure("power", ("play", "condition:current_A")),
 ]
 FUNCTIONS = (
-    "coefficients", "coefficient_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks", "turns",
+    "coefficients", "coefficients_with_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks", "turns",
     "courses", "energy", "lag", "lag_slopes",
 )  # fmt: skip
 SIZES = {
