@@ -28,8 +28,8 @@ STRUCTURES = [
     Structure("power", ("play", "condition:current_A")),
 ]
 FUNCTIONS = (
-    "coefficients", "coefficients_with_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks", "turns",
-    "courses", "energy", "lag", "lag_slopes",
+    "coefficients", "coefficients_with_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks",
+    "turns", "courses", "energy", "lag", "lag_slopes",
 )  # fmt: skip
 SIZES = {
     **{"A_typical": 0.6, "A_highest": 1.0, "F_typical": 1500.0, "f_typical": 3.0, "f_lowest": 1.0, "f_highest": 5.0},
