@@ -8,12 +8,13 @@ from pathlib import Path
 from pipeclamp_fmu.contents.excitation import Samples
 from pipeclamp_fmu.ssp import Component, Port, SystemStructure, write_ssp
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import untaken
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_system.cosim.building import Builders, finished
 from pipeclamp_system.cosim.parallel_step import ParallelStep, parallel_step
 from pipeclamp_system.cosim.variables import clamp_parameters, pipe_variables
 from pipeclamp_system.description.excitation import excitation_signal
-from pipeclamp_system.description.system import SystemDescription, read_system
+from pipeclamp_system.description.system import read_system
 from pipeclamp_system.fmus.variables import find_variables, read_model_description, renamed, variables_of
 
 PIPE, EXCITATION = "pipe", "excitation"
@@ -56,7 +57,8 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = sil
         values = [signal(min(index * run.even_step_s, run.stop_s)) for index in range(run.steps + 1)]
         excitation_fmu = Path(scratch) / "excitation.fmu"
         build.excitation(Samples(run.even_step_s, values, EXCITATION_UNITS[coupled.kind]), excitation_fmu)
-        pipe_name, excitation_name = (_untaken(name, description) for name in (PIPE, EXCITATION))
+        taken = {clamp.at.casefold() for clamp in description.clamps}
+        pipe_name, excitation_name = (untaken(name, taken) for name in (PIPE, EXCITATION))
         connections: list[tuple[Port, Port]] = [
             ((excitation_name, "signal"), (pipe_name, pipe[coupled.excitation].name))
         ]
@@ -78,11 +80,3 @@ def write_system(path: Path, output: Path, build: Builders, tell: Progress = sil
         found = parallel_step(description, folder, str(path), tell)
         write_ssp(SystemStructure(description.name, components, connections, run.stop_s, found.step), output)
     return found
-
-
-def _untaken(name: str, description: SystemDescription) -> str:
-    """Give a name that no clamp has, in whatever case, so that nobody takes one for the other."""
-    taken = {clamp.at.casefold() for clamp in description.clamps}
-    while name in taken:
-        name += "_"
-    return name
