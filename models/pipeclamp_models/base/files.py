@@ -298,7 +298,7 @@ def plain_stems(names: Sequence[str]) -> list[str]:
 
 
 def untaken(stem: str, taken: set[str], end: str = "") -> str:
-    """Give a name, of a file without its end, longer where another has it, in whatever case, as on Windows; and take it.
+    """Give a name (a file's without its end), longer where another has it, in whatever case, as on Windows; take it.
 
     Args:
         stem: the name.
