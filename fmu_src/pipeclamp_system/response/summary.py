@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pipeclamp_models.base.said import counted
-from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.signals import column_of
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.response.curves import Curve, FrequencyResponse, label, peaks_of, stretches
 from pipeclamp_system.response.dots import MOST_HALVINGS, Dot
@@ -108,7 +108,7 @@ def _about_ranges(response: FrequencyResponse) -> list[str]:
                 low, high = f"{min(values):.4g}", f"{max(values):.4g}"
                 found = low if low == high else f"{low} to {high}"
                 parts.append(
-                    f"{condition.removeprefix(CONDITION)} = {found} {interval.unit} "
+                    f"{column_of(condition)} = {found} {interval.unit} "
                     f"(data: {interval.minimum:.4g} to {interval.maximum:.4g})"
                 )
         share = f"{len(beyond) / len(states):.0%} of the curves' points"

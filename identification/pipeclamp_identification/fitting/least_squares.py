@@ -80,6 +80,7 @@ def fit(
     held = structure.held()
     reasons = not_fitted(structure, equations, observations)
     scales = data_scales(observations)
+    bounds = _bounds(equations, reasons, scales)
     neutral = {parameter.name: parameter.neutral for parameter in equations.parameters if parameter.neutral is not None}
     best: tuple[float, Array] | None = None
     given = start or {}
@@ -92,19 +93,17 @@ def fit(
             if len(starts) > 1:
                 progress(f"fit from start {attempt + 1} of {len(starts)}")
             stay = {name: held.get(name, neutral.get(name, values[name])) for name in reasons}
-            begin = _within_bounds(
-                equations, np.array([stay.get(name, values[name]) for name in equations.names]), reasons, scales
-            )
+            begin = _within(bounds, np.array([stay.get(name, values[name]) for name in equations.names]))
             refusal = no_force(structure, observations, law.at(begin))
             if refusal is not None:
                 continue
-            cost, solution = _minimise(law, begin, frozenset(reasons), scales, tolerance)
+            cost, solution = _minimise(law, begin, frozenset(reasons), bounds, scales, tolerance)
             if best is None or cost <= best[0] * (1 + EQUALLY_GOOD):
                 best = cost, solution
         if best is None:
             assert refusal is not None
             raise refusal
-        return _finish(structure, law, best[1], reasons, scales)
+        return _finish(structure, law, best[1], reasons, bounds, scales)
 
 
 def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:
@@ -146,8 +145,8 @@ def _sizes(parameters: Sequence[ParameterOutline], scales: Sizes) -> Array:
     return np.array([abs(number_in(one.spread or one.starts[0], scales)) for one in parameters])
 
 
-def _within_bounds(equations: Equations, begin: Array, held: Container[str], scales: Sizes) -> Array:
-    """Give where a fit begins, shape (P,): what isn't held lies within its bounds.
+def _bounds(equations: Equations, held: Container[str], scales: Sizes) -> tuple[Array, Array]:
+    """Give the bounds of each parameter for these tests, shape (P,) each; those that are held have none.
 
     Raises:
         UserError: bounds that follow the tests leave a parameter nothing.
@@ -159,15 +158,21 @@ def _within_bounds(equations: Equations, begin: Array, held: Container[str], sca
             f"parameter {equations.names[place]}: for these tests its bounds are {lower[place]:g} and "
             f"{upper[place]:g}; expected a lower one below an upper one"
         )
-    within = np.clip(begin, lower, upper)
+    return np.where(free, lower, -np.inf), np.where(free, upper, np.inf)
+
+
+def _within(bounds: tuple[Array, Array], begin: Array) -> Array:
+    """Give where a fit begins, shape (P,): just inside the bounds, where the solver may step to both sides."""
+    within = np.clip(begin, *bounds)
     inside = 1e-9 * np.maximum(1.0, np.abs(within))
-    return np.where(free, np.clip(within, lower + inside, upper - inside), begin)
+    return np.clip(within, bounds[0] + inside, bounds[1] - inside)
 
 
 def _minimise(
     law: Remembered,
     begin: Array,
     held: frozenset[str],
+    bounds: tuple[Array, Array],
     scales: Sizes,
     tolerance: float,
 ) -> tuple[float, Array]:
@@ -178,7 +183,7 @@ def _minimise(
     if len(free) == 0:
         residual = evaluator.residual(begin[free])
         return float(residual @ residual) / 2, begin
-    lower, upper = (bound[free] for bound in parameter_bounds(equations, scales))
+    lower, upper = (bound[free] for bound in bounds)
     x0 = begin[free]
     if len(evaluator.residual(x0)) < len(free):
         raise UserError(
@@ -236,11 +241,12 @@ def _finish(
     law: Remembered,
     values: Array,
     reasons: Mapping[str, str],
+    bounds: tuple[Array, Array],
     scales: Sizes,
 ) -> Fit:
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
     equations = law.equations
-    lower, upper = parameter_bounds(equations, scales)
+    lower, upper = bounds
     frozen = dict(reasons)
     priors = priors_of(equations, scales)
     fitted = np.array([name not in frozen for name in equations.names], dtype=bool)

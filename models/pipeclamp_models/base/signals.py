@@ -32,6 +32,12 @@ def signal_of(column: str) -> str:
     return OWN_SIGNALS.get(column, condition_signal(column))
 
 
+def column_of(signal: str) -> str:
+    """Name the column of runs.csv that a slow signal is of; A, f and T stay as they are."""
+    own = {symbol: column for column, symbol in OWN_SIGNALS.items()}
+    return own.get(signal, signal.removeprefix(CONDITION))
+
+
 def signal_in_range(name: str) -> str:
     """Name the slow signal of a condition that a law's range names: by its signal, a further one by its column."""
     return name if name in ("A", "f", "T", *OWN_SIGNALS.values()) else condition_signal(name)

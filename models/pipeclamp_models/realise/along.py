@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.signals import CONDITION, OWN_SIGNALS, REFERENCES, signal_of
+from pipeclamp_models.base.signals import REFERENCES, column_of, signal_of
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Equations, Law
@@ -104,13 +104,13 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
     signals = {name: _signal(name) for name in given}
     for name, signal in signals.items():
         if signal not in follows and name not in ALWAYS:
-            columns = [*ALWAYS, *map(_column, sorted(follows))]
+            columns = [*ALWAYS, *map(column_of, sorted(follows))]
             raise UserError(
                 f"force: law {law} doesn't follow {name!r}; {did_you_mean(name, columns)}expected of "
                 f"{', '.join(dict.fromkeys(columns))}"
             )
     values = {signals[name]: _finite(name, value) for name, value in given.items()}
-    if absent := [_column(signal) for signal in sorted(follows - set(values))]:
+    if absent := [column_of(signal) for signal in sorted(follows - set(values))]:
         given_not = "which isn't given" if len(absent) == 1 else "which aren't given"
         expected = ", ".join(f"{name}=..." for name in absent)
         raise UserError(f"force: law {law} follows {', '.join(absent)}, {given_not}; expected {expected}")
@@ -126,11 +126,6 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
 
 def _signal(name: str) -> str:
     return name if name in ALWAYS else signal_of(name)
-
-
-def _column(signal: str) -> str:
-    own = {symbol: column for column, symbol in OWN_SIGNALS.items()}
-    return own.get(signal, signal.removeprefix(CONDITION))
 
 
 def _step(law: str, equations: Equations, h: float | None) -> float:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.signals import column_of
 from pipeclamp_models.steps.ways import Ways
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -152,8 +152,8 @@ def refuse_unknown_conditions(slow: Iterable[str], motion: Motion) -> None:
     """
     for name in slow:
         if name not in motion.slow:
-            known = ", ".join(sorted(entry.removeprefix(CONDITION) for entry in motion.slow))
+            known = ", ".join(sorted(column_of(entry) for entry in motion.slow))
             raise UserError(
-                f"the law depends on {name.removeprefix(CONDITION)}, which the tests don't state; got {known}; "
+                f"the law depends on {column_of(name)}, which the tests don't state; got {known}; "
                 "expected a column of that name in runs.csv"
             )

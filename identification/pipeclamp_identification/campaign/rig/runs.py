@@ -12,10 +12,11 @@ from scipy.interpolate import make_interp_spline
 from pipeclamp_identification.campaign.drive import Drive, Kinematics, ramped, tones_motion
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.rig.plan import RigRun, TestPlan, plain_name
-from pipeclamp_identification.campaign.rig.truth import refuse_unstated, signal_in_plan
+from pipeclamp_identification.campaign.rig.truth import refuse_unstated
 from pipeclamp_identification.campaign.writing import WrittenRun
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.signals import signal_of
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations
@@ -132,7 +133,7 @@ def _true_force(
         "f": drawn.frequency * each,
         "T": drawn.T[:, None] + CELSIUS,
         "N": np.array([run.first_cycle for run in drawn.runs])[:, None] + np.maximum(time, 0.0) * drawn.frequency,
-        **{signal_in_plan(column): value * each for column, value in conditions.items()},
+        **{signal_of(column): value * each for column, value in conditions.items()},
     }
     equations, given = law.equations, Motion(*motion, slow, each / rate, periodic=False)
     force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), given).force

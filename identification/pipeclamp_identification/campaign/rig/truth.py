@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.rig.plan import TestPlan
-from pipeclamp_models.base import signals
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.signals import column_of, signal_of
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations.effect import Parameter
 from pipeclamp_models.law.declaration import Declaration
@@ -19,17 +18,8 @@ from pipeclamp_models.law.law import Equations, Law, with_effect
 from pipeclamp_models.law.range import outside_range
 from pipeclamp_models.realise.sizes import law_sizes, number_of
 
-DENSITY = "density_g_cm3"
-
-
-def signal_in_plan(column: str) -> str:
-    """Give the name of the slow signal that a further column of runs.csv is in a law."""
-    return "rho" if column == DENSITY else signals.condition_signal(column)
-
-
-def _column(signal: str) -> str:
-    """Give a column of runs.csv that is this slow signal."""
-    return DENSITY if signal == "rho" else signal.removeprefix(CONDITION)
+OF_THE_PLAN = {"A", "f", "T", "N"}
+"""Slow signals that a plan states for each of its runs."""
 
 
 def refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> None:
@@ -42,10 +32,10 @@ def refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> No
     Raises:
         UserError: one isn't; the message says how to state it.
     """
-    stated = {signal_in_plan(column) for column in conditions}
-    needed = equations.slow_signals - {"A", "f", "T", "N"} - stated
+    stated = {signal_of(column) for column in conditions}
+    needed = equations.slow_signals - OF_THE_PLAN - stated
     if needed:
-        columns = sorted(_column(name) for name in needed)
+        columns = sorted(column_of(name) for name in needed)
         raise UserError(f"the law depends on {', '.join(columns)}; state a value for each: --set {columns[0]}=...")
 
 
@@ -109,11 +99,11 @@ def truth_of(
     for effect in effects:
         structure = with_effect(structure, effect)
     equations = structure.equations
-    followed = equations.slow_signals
+    followed = equations.slow_signals - OF_THE_PLAN
     conditions = {name: value for name, value in values.items() if name not in equations.names}
-    unknown = sorted(column for column in conditions if signal_in_plan(column) not in followed)
+    unknown = sorted(column for column in conditions if signal_of(column) not in followed)
     if unknown:
-        columns = sorted(_column(name) for name in followed - {"A", "f", "T", "N"})
+        columns = sorted(column_of(name) for name in followed)
         known = [*equations.names, *columns]
         units = ", ".join([*(f"{one.name} ({one.unit})" for one in equations.parameters), *columns])
         raise UserError(
@@ -129,7 +119,7 @@ def truth_of(
     if lacking:
         refuse_unstated(equations, conditions)
         plan.check()
-        further = {signal_in_plan(column): value for column, value in conditions.items()}
+        further = {signal_of(column): value for column, value in conditions.items()}
         temperatures = [T + CELSIUS for T in plan.temperatures]
         slow = {"N": plan.cycles, **further}
         sizes = law_sizes(law, plan.amplitudes, plan.frequencies, temperatures, slow, plan.about or 0.0)

@@ -25,7 +25,7 @@ from pipeclamp_identification.diagnosis.further_test.outlook import (
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.base.signals import column_of
 from pipeclamp_models.base.units import CELSIUS, celsius_of
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.catalogue import effect_id
@@ -130,7 +130,7 @@ def _further_words(signal: str, value: float) -> str:
         return f"after {value:.0f} load cycles"
     if signal == str(symbols.rho):
         return f"density {value:.4g} g/cm³"
-    return f"{signal.removeprefix(CONDITION)} {value:.4g}"
+    return f"{column_of(signal)} {value:.4g}"
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pipeclamp_identification.fitting.joint.starts import Linearised, Term, Valu
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.base.signals import CONDITION, OWN_SIGNALS
+from pipeclamp_models.base.signals import column_of
 from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.law.law import Structure, scaled_in
 from pipeclamp_models.law.outline import Sizes
@@ -117,9 +117,9 @@ def no_force(structure: Structure, observations: Observations, law_force: LawFor
         return None
     for signal in sorted(structure.equations.slow_signals):
         if not np.all(np.isfinite(observations.motion.slow[signal])):
-            own = {symbol: column for column, symbol in OWN_SIGNALS.items()}
-            column = own.get(signal, signal.removeprefix(CONDITION))
-            return UserError(f"the law depends on {column}, which not all tests state; fill it in in runs.csv")
+            return UserError(
+                f"the law depends on {column_of(signal)}, which not all tests state; fill it in in runs.csv"
+            )
     row, sample = nowhere[0]
     y, v = observations.motion.y[row, sample], observations.motion.v[row, sample]
     declared = ", ".join(repr(one.id) for one in structure.declared if one.id in structure.effects)
