@@ -156,10 +156,11 @@ class _Maker:
             follows=tuple(self.slow[name] for name in table.follows),
             levels=table.levels,
         )
-        for start in starts:
-            stated = [value for value in (parameter.lower, start, parameter.upper) if isinstance(value, float)]
+        within = [*(("start", start) for start in starts), ("neutral", table.neutral)]
+        for what, value in within:
+            stated = [one for one in (parameter.lower, value, parameter.upper) if isinstance(one, float)]
             if stated != sorted(stated) or parameter.lower == parameter.upper:
-                raise self._error(f"{place}: got {stated} as lower, start, upper; expected rising numbers")
+                raise self._error(f"{place}: got {stated} as lower, {what}, upper; expected rising numbers")
         return parameter
 
     def _check(self, effect: Effect) -> None:

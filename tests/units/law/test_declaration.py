@@ -70,6 +70,7 @@ def test_a_good_one_is_read():
         ('"0.5 * A_highest"', "true", ["expected a number or an expression"]),
         ("lower = 0", "lower = nan", ["finite"]),
         ("lower = 0", "lower = 200", ["k_b", "200.0", "expected rising numbers"]),
+        ("lower = 0", "lower = 0, neutral = -1", ["k_b", "[0.0, -1.0", "lower, neutral, upper", "rising numbers"]),
         ("lower = 0", 'follows = ["T"]', ["no neutral value"]),
         ("lower = 0", 'follows = ["y"], neutral = 0', ["got 'y'; expected one of A, f, T, N, rho"]),
         ('force = "', 'lag = "k_b"\nforce = "', ['expected part = "rig"']),
