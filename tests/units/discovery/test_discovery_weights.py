@@ -149,6 +149,24 @@ def test_a_form_that_fails_on_the_way_is_refined_further(hearing, monkeypatch, g
     assert best in wider.refitted
 
 
+@pytest.mark.parametrize(
+    ("failed", "gone", "refined"),
+    [
+        ("comes back", (), True), ("comes back", ("stribeck",), True), ("does no harm beyond", (), True),
+        ("confirmed", (), False), ("confirmed", ("stribeck",), True), ("more than chance", ("stribeck",), False),
+    ],
+)  # fmt: skip
+def test_a_term_that_other_forms_equal_in_draws_is_refined(hearing, monkeypatch, failed, gone, refined):
+    """Of forms that all lack one number each does best in some draws; the one that has it came back in all of them."""
+    square, *_ = hearing.refitted
+    names = ("more than chance", "comes back", "does no harm beyond", "confirmed")
+    guards = tuple(Guard(name, name != failed, "") for name in names)
+    found, asked = TermFound(square.term, square.judged, hearing.bar.law, (), "", guards, gone), []
+    monkeypatch.setattr(Refining, "_one_more", lambda self, best, hearing: asked.append(best))
+    assert Refining(((), {}), ALONE).of(found, square, hearing) is found
+    assert asked == [square] * refined
+
+
 @pytest.mark.parametrize("last", [True, False])
 def test_what_passed_last_of_refined_forms_is_given(hearing, monkeypatch, last):
     square, linear, other = hearing.refitted
