@@ -104,6 +104,8 @@ class Refining:
         forms += itertools.chain(*itertools.islice(filter(None, otherwise), MOST_REFINED))
         forms += [form for one in (plain, *shorter) for form in _beside(one, hearing)]
         structure = hearing.evaluation.law.result.law.structure
+        present = {one.id for one in structure.declared}  # of an earlier search: the law has it, or had it
+        forms = [form for form in forms if form[0].declaration.id not in present]
         contenders = [_contender(structure, form) for form in forms]
         judged = judge_each(contenders, problem, self.workers)
         fitted = [
