@@ -38,8 +38,9 @@ MOST_ASKED = 3
 """Refined forms, best first, that are asked until one passes."""
 MOST_JOINED = 6
 """Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
-GUARDS_IN_PLACE = ("more than chance", "comes back")
-"""What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are."""
+GUARDS_IN_PLACE = ("more than chance",)
+"""What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are,
+nor come back, for of forms that all lack something each does best in some draws."""
 GUARDS_BESIDE = (*GUARDS_IN_PLACE, "confirmed")
 """And beside all of them: with a part of it missing it may foretell the edges badly, and effects may do as well."""
 
@@ -103,6 +104,8 @@ class Refining:
         forms += itertools.chain(*itertools.islice(filter(None, otherwise), MOST_REFINED))
         forms += [form for one in (plain, *shorter) for form in _beside(one, hearing)]
         structure = hearing.evaluation.law.result.law.structure
+        present = {one.id for one in structure.declared}  # of an earlier search: the law has it, or had it
+        forms = [form for form in forms if form[0].declaration.id not in present]
         contenders = [_contender(structure, form) for form in forms]
         judged = judge_each(contenders, problem, self.workers)
         fitted = [

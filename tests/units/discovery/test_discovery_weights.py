@@ -149,6 +149,43 @@ def test_a_form_that_fails_on_the_way_is_refined_further(hearing, monkeypatch, g
     assert best in wider.refitted
 
 
+@pytest.mark.parametrize(
+    ("failed", "gone", "refined"),
+    [
+        ("comes back", (), True), ("comes back", ("stribeck",), True), ("does no harm beyond", (), True),
+        ("confirmed", (), False), ("confirmed", ("stribeck",), True), ("more than chance", ("stribeck",), False),
+    ],
+)  # fmt: skip
+def test_a_term_that_other_forms_equal_in_draws_is_refined(hearing, monkeypatch, failed, gone, refined):
+    """Of forms that all lack one number each does best in some draws; the one that has it came back in all of them."""
+    square, *_ = hearing.refitted
+    names = ("more than chance", "comes back", "does no harm beyond", "confirmed")
+    guards = tuple(Guard(name, name != failed, "") for name in names)
+    found, asked = TermFound(square.term, square.judged, hearing.bar.law, (), "", guards, gone), []
+    monkeypatch.setattr(Refining, "_one_more", lambda self, best, hearing: asked.append(best))
+    assert Refining(((), {}), ALONE).of(found, square, hearing) is found
+    assert asked == [square] * refined
+
+
+def test_a_form_that_the_law_was_given_before_is_no_form_of_another_term(hearing, monkeypatch):
+    """A second search of a law with a refined term ended with an error: one id declared twice, and differently."""
+    square, *_ = hearing.refitted
+    known = next(form for form, _ in refining.refinements(square.term, square.judged.result.law.values, ("A", "f"), {}))
+    law = hearing.evaluation.law
+    own = known.declaration.model_copy(update={"title": "as it was fitted"})
+    having = replace(law.result.law, structure=law.result.law.structure.with_declared([own]))
+    evaluation = replace(hearing.evaluation, law=replace(law, result=replace(law.result, law=having)))
+    tried = []
+    monkeypatch.setattr(refining, "may_join", lambda one, other: False)
+    monkeypatch.setattr(refining, "weighed_by", lambda best, near, heard: (heard, near))
+    monkeypatch.setattr(refining, "judge_each", lambda every, *given: tried.extend(every) or list(every))
+    monkeypatch.setattr(refining, "refitted_of", lambda *given: [])
+    assert Refining((("A", "f"), {}), ALONE)._one_more(square, replace(hearing, evaluation=evaluation)) is None
+    names = {one.effects[0] for one in tried}
+    assert names
+    assert known.declaration.id not in names
+
+
 @pytest.mark.parametrize("last", [True, False])
 def test_what_passed_last_of_refined_forms_is_given(hearing, monkeypatch, last):
     square, linear, other = hearing.refitted
