@@ -67,7 +67,7 @@ EFFECT = Effect(
         ),
     ),
     coefficients=(
-        *(Coefficient(symbol, "N/mm", None, part) for symbol, part in zip(k, stiffnesses, strict=True)),
+        *(Coefficient(symbol, "N/mm", "sticking", part) for symbol, part in zip(k, stiffnesses, strict=True)),
         *(Coefficient(symbol, "N", "slip", part) for symbol, part in zip(slip, slips, strict=True)),
     ),
     force=sp.Add(*z),
