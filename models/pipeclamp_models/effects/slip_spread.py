@@ -14,7 +14,7 @@ from pipeclamp_models.equations.literature import IWAN, MASING, SEGALMAN
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
 CELLS = 14
-"""Cells of the spread, the lowest up to 1/49 of the largest slip displacement; one more element is the peak there."""
+"""Cells of the spread, the lowest up to 1/196 of the largest slip displacement; one more element is the peak there."""
 
 F_S, K_T, chi, beta = sp.symbols("F_S K_T chi beta_S", real=True)
 edges = [sp.Rational(cell, CELLS) ** 2 for cell in range(CELLS + 1)]

@@ -17,7 +17,7 @@ EFFECT = Effect(
     part="clamp",
     does="what slips follows the temperature smoothly: its slip force, and its stiffness while it sticks",
     source=f"{DOLCE}: sliding friction over air temperature; {AURICCHIO}: the force at which an alloy gives way rises "
-    "with the temperature; {NASHIF}, on moduli. Here their logarithms do, so that none changes its sign",
+    f"with the temperature; {NASHIF}, on moduli. Here their logarithms do, so that none changes its sign",
     looks_like="the loop is too wide at some temperatures and too narrow at others, by the same share at every f; its "
     "flanks after a reversal are as steep as they should be, or too steep where it is too wide",
     imitated_by=("damping_temperature", "loosening", "fade"),
