@@ -72,8 +72,8 @@ def test_the_spread_follows_masings_rule():
 def test_the_spread_loses_a_power_of_the_amplitude(chi, beta):
     """Segalman, microslip: 4 R A^(chi + 3) / ((chi + 2) (chi + 3)) a cycle.
 
-    The cells meet it within a quarter over a decade, within 7 % near the largest slip displacement, and its exponent
-    over the decade within 0.1.
+    The cells meet it within an eighth over a decade, within 3 % near the largest slip displacement, and its exponent
+    over the decade within 0.05.
     """
     values = iwan_with(chi, beta)
     phi = largest_slip(**values)
@@ -83,11 +83,32 @@ def test_the_spread_loses_a_power_of_the_amplitude(chi, beta):
     motion = sinusoids(amplitudes, 1.0, 293.15, 1024)
     found = lost(motion, force_on("slip_spread", values, motion))
     expected = 4 * R * amplitudes ** (chi + 3) / ((chi + 2) * (chi + 3))
-    np.testing.assert_allclose(found, expected, rtol=0.25)
+    np.testing.assert_allclose(found, expected, rtol=0.125)
     near = amplitudes > 0.3 * phi
-    np.testing.assert_allclose(found[near], expected[near], rtol=0.07)
+    np.testing.assert_allclose(found[near], expected[near], rtol=0.03)
     slope = np.polyfit(np.log(amplitudes), np.log(found), 1)[0]
-    assert slope == pytest.approx(chi + 3, abs=0.1)
+    assert slope == pytest.approx(chi + 3, abs=0.05)
+
+
+@pytest.mark.parametrize(("chi", "beta"), [(-0.7, 0.05), (-0.4, 0.3), (-0.1, 0.5)])
+def test_the_cells_err_by_less_than_the_noise_of_a_good_rig(chi, beta):
+    """Against ten times as many elements, over a decade of amplitudes: 0.3 % of the force (rms).
+
+    Seven cells erred by 0.7 %: a joint of Iwan's, measured with 0.4 % noise, had no law of its own form.
+    """
+    values = iwan_with(chi, beta)
+    phi = largest_slip(**values)
+    edges = np.linspace(0.0, 1.0, 141) ** 2
+    stiffness = np.append(np.diff(edges ** (chi + 1)), beta) * values["K_T"] / (1 + beta)
+    limits = np.append((chi + 1) / (chi + 2) * np.diff(edges ** (chi + 2)) / np.diff(edges ** (chi + 1)), 1.0) * phi
+    for amplitude in phi * np.array([0.2, 0.5, 0.9]):
+        y = amplitude * np.sin(np.linspace(0.0, 2.5 * 2 * np.pi, 1001))
+        stretch, expected = np.zeros_like(limits), []
+        for move in np.diff(y, prepend=0.0):
+            stretch = np.clip(stretch + move, -limits, limits)
+            expected.append(stiffness @ stretch)
+        error = (along("slip_spread", values, y) - expected)[200:]
+        assert np.sqrt(np.mean(error**2)) < 0.003 * np.sqrt(np.mean(np.square(expected[200:])))
 
 
 WEN = {"k_b": 1000.0, "z_b": 100.0, "n_b": 1.0, "p_b": 0.0, "w_b": 0.3}

@@ -56,7 +56,7 @@ DEVICES: dict[str, Device] = {
         "F = a k y + (1 - a) k z, dz = dy - (b |dy| sgn z + g dy) |z/D|^n",
         "Wen 1976, J. Eng. Mech. Div. 102(2)",
         hysteresis.bouc_wen, hysteresis.draw_bouc_wen, ("clamp", "damper", "bench"),
-        frozenset({"memory", "damping_temperature"}),
+        frozenset({"memory", "bouc_wen", "slip_temperature"}),
     ),
     "dahl": Device(
         "F = k y + F_c z/D, dz = dy |1 - sgn(v) z/D|^i",
@@ -67,7 +67,7 @@ DEVICES: dict[str, Device] = {
         "F = k y + k_T sum of elastic-slip elements, limits spread as phi^chi up to macroslip",
         "Segalman 2005, J. Appl. Mech. 72(5)",
         hysteresis.iwan, hysteresis.draw_iwan, ("clamp", "mount", "bench"),
-        frozenset({"memory", "damping_temperature"}),
+        frozenset({"memory", "slip_spread", "slip_temperature"}),
     ),
     "power_law": Device(
         "dF = k (dy - |dy| sgn(s) |s|^n), s = (F - B)/Y, B = a k (y - F/k)",

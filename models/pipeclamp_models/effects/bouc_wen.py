@@ -12,7 +12,7 @@ from pipeclamp_models.equations.literature import BABER, FOLIENTE, WEN
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
 k_b, z_b, n_b, p_b, w_b, z = sp.symbols("k_b z_b n_b p_b w_b z_h", real=True)
-slip = sp.Symbol("slip_b", real=True)
+slip, stiffness = sp.symbols("slip_b stick_b", real=True)
 way, load, start, left = sp.symbols("x_b load_b load_from x_left", real=True)
 rates = sp.symbols("b_b1:5", real=True)
 direction = sp.Piecewise((1, y >= y_previous), (-1, True))
@@ -81,10 +81,10 @@ EFFECT = Effect(
             w_b, "-", "width of the pinching over the ultimate force", (0.3,) * 3, lower=0.05, upper=1.0, neutral=0.3
         ),
     ),
-    coefficients=(Coefficient(slip, "N", "slip", z_b),),
+    coefficients=(Coefficient(slip, "N", "slip", z_b), Coefficient(stiffness, "N/mm", "sticking", k_b)),
     force=z * (1 - p_b * sp.exp(-((z / (w_b * slip)) ** 2))),
     stages=(
-        Stage(way, "-", "way of the step over z_b/k_b", k_b * sp.Abs(y - y_previous) / slip),
+        Stage(way, "-", "way of the step over z_b/k_b", stiffness * sp.Abs(y - y_previous) / slip),
         Stage(load, "-", "force over z_b, positive where the step loads it", sp.Min(1, direction * z / slip)),
         Stage(start, "-", "load from which it yields", sp.Max(SMALLEST, sp.Min(load, LARGEST))),
         Stage(left, "-", "way that is left for it", sp.Max(0, sp.Min(way + sp.Min(load, 0), ENOUGH))),
@@ -96,5 +96,5 @@ EFFECT = Effect(
             update=direction * slip * sp.Piecewise((load + way, load + way <= 0), (yielded, True)),
         ),
     ),
-    energy=compliance(k_b) * (z**2 + p_b * (w_b * slip) ** 2 * (sp.exp(-((z / (w_b * slip)) ** 2)) - 1)) / 2,
+    energy=compliance(stiffness) * (z**2 + p_b * (w_b * slip) ** 2 * (sp.exp(-((z / (w_b * slip)) ** 2)) - 1)) / 2,
 )  # fmt: skip

@@ -7,8 +7,8 @@ from pipeclamp_models.equations.literature import ARMSTRONG, JENKINS
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
 k_d, z_p, z_n, z_d = sp.symbols("k_d z_p z_n z_d", real=True)
-up, down = sp.symbols("slip_p slip_n", real=True)
-trial = z_d + k_d * (y - y_previous)
+up, down, stiffness = sp.symbols("slip_p slip_n stick_d", real=True)
+trial = z_d + stiffness * (y - y_previous)
 limits = [share * A_typical for share in (0.05, 0.2, 0.6)]
 slips = [share * F_typical for share in (0.15, 0.12, 0.08)]
 
@@ -34,7 +34,11 @@ EFFECT = Effect(
             typical=0.5 * slips[1],
         ),
     ),
-    coefficients=(Coefficient(up, "N", "slip", z_p), Coefficient(down, "N", "slip", z_n, down=True)),
+    coefficients=(
+        Coefficient(up, "N", "slip", z_p),
+        Coefficient(down, "N", "slip", z_n, down=True),
+        Coefficient(stiffness, "N/mm", "sticking", k_d),
+    ),
     force=z_d,
     states=(
         State(
@@ -42,5 +46,5 @@ EFFECT = Effect(
             update=sp.Piecewise((up, trial > up), (-down, trial < -down), (trial, True)),
         ),
     ),
-    energy=compliance(k_d) * z_d**2 / 2,
+    energy=compliance(stiffness) * z_d**2 / 2,
 )  # fmt: skip

@@ -56,9 +56,10 @@ def elements(argument: str) -> Effect:
     energy = sp.Integer(0)
     for index, suffix in enumerate(suffixes(count), 1):
         k_s, z_s, z = sp.symbols(f"k_s{suffix} z_s{suffix} z{suffix}", real=True)
-        strength = sp.Symbol(f"slip{suffix}", real=True)
-        trial = z + k_s * (y - y_previous)
+        strength, stiffness = sp.symbols(f"slip{suffix} stick{suffix}", real=True)
+        trial = z + stiffness * (y - y_previous)
         coefficients.append(Coefficient(strength, "N", "slip", z_s))
+        coefficients.append(Coefficient(stiffness, "N/mm", "sticking", k_s))
         # Elastic limits from a small part of the amplitude to most of it, so that each element has its own place.
         limits = [share * index * A_typical for share in (0.05, 0.2, 0.6)]
         slips = [share * F_typical / count for share in (0.15, 0.12, 0.08)]
@@ -81,7 +82,7 @@ def elements(argument: str) -> Effect:
                 update=sp.Piecewise((strength, trial > strength), (-strength, trial < -strength), (trial, True)),
             )
         )
-        energy += compliance(k_s) * z**2 / 2
+        energy += compliance(stiffness) * z**2 / 2
     return Effect(
         id="memory",
         part="clamp",

@@ -11,8 +11,8 @@ from pipeclamp_models.equations.literature import AURICCHIO, CHRISTOPOULOS
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
 k_c, F_u, beta_c, z_c = sp.symbols("k_c F_u beta_c z_c", real=True)
-outward = sp.Symbol("slip_c", real=True)
-elastic, trial = k_c * y, z_c + k_c * (y - y_previous)
+outward, stiffness = sp.symbols("slip_c stick_c", real=True)
+elastic, trial = stiffness * y, z_c + stiffness * (y - y_previous)
 way_out, way_back = sp.Min(sp.Abs(elastic), outward), sp.Min(sp.Abs(elastic), (1 - beta_c) * outward)
 side = sp.Piecewise((1, y >= 0), (-1, True))
 
@@ -38,7 +38,7 @@ EFFECT = Effect(
             beta_c, "-", "share of it by which it comes back lower", (0.5,) * 3, lower=0.0, upper=1.0,
         ),
     ),
-    coefficients=(Coefficient(outward, "N", "slip", F_u),),
+    coefficients=(Coefficient(outward, "N", "slip", F_u), Coefficient(stiffness, "N/mm", "sticking", k_c)),
     force=z_c,
     states=(
         State(
@@ -46,5 +46,6 @@ EFFECT = Effect(
             update=side * sp.Min(sp.Max(side * trial, way_back), way_out),
         ),
     ),
-    energy=compliance(k_c) * z_c**2 / 2 + (1 - beta_c) * outward * sp.Max(0, sp.Abs(y) - compliance(k_c) * sp.Abs(z_c)),
+    energy=compliance(stiffness) * z_c**2 / 2
+    + (1 - beta_c) * outward * sp.Max(0, sp.Abs(y) - compliance(stiffness) * sp.Abs(z_c)),
 )  # fmt: skip

@@ -13,8 +13,8 @@ from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, St
 from pipeclamp_models.equations.literature import IWAN, MASING, SEGALMAN
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
-CELLS = 7
-"""Cells of the spread, the lowest up to 1/49 of the largest slip displacement; one more element is the peak there."""
+CELLS = 14
+"""Cells of the spread, the lowest up to 1/196 of the largest slip displacement; one more element is the peak there."""
 
 F_S, K_T, chi, beta = sp.symbols("F_S K_T chi beta_S", real=True)
 edges = [sp.Rational(cell, CELLS) ** 2 for cell in range(CELLS + 1)]
@@ -67,7 +67,7 @@ EFFECT = Effect(
         ),
     ),
     coefficients=(
-        *(Coefficient(symbol, "N/mm", None, part) for symbol, part in zip(k, stiffnesses, strict=True)),
+        *(Coefficient(symbol, "N/mm", "sticking", part) for symbol, part in zip(k, stiffnesses, strict=True)),
         *(Coefficient(symbol, "N", "slip", part) for symbol, part in zip(slip, slips, strict=True)),
     ),
     force=sp.Add(*z),

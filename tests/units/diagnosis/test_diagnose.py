@@ -316,8 +316,10 @@ def test_what_was_tried_in_vain_on_the_same_tests_is_not_named_again(lopsided):
     assert anew.effects == ("asymmetry",)
 
 
-def test_slip_forces_that_follow_the_temperature_are_named_beside_what_slips(campaign):
-    values = {"k_s": 900.0, "z_s": 120.0, "z_T1": -0.25, "z_T2": 0.05}
+@pytest.mark.parametrize(("slip", "bend", "stiffness"), [(-0.25, 0.05, 0.0), (-0.1, 0.0, -0.1)])
+def test_what_slips_and_follows_the_temperature_is_named(slip, bend, stiffness, campaign):
+    """By its slip force alone; or as a whole, as where a modulus falls."""
+    values = {"k_s": 900.0, "z_s": 120.0, "z_T1": slip, "z_T2": bend, "k_zT": stiffness}
     tests = campaign(("memory", "slip_temperature"), **values)
     with few_effects(*SLIPPING):
         diagnosis = diagnose(Structure("power", ("memory",)), tests)
@@ -327,7 +329,7 @@ def test_slip_forces_that_follow_the_temperature_are_named_beside_what_slips(cam
 @pytest.mark.parametrize("values", [{"k_s": 650.0, "z_s": 68.0}, {"k_s": 4000.0, "z_s": 40.0}])
 def test_what_slips_is_named_with_what_only_it_brings(campaign, values):
     """Slip forces that fall to a twentieth when hot: damping that falls alone takes most, memory alone nothing."""
-    tests = campaign(("memory", "slip_temperature"), **values, z_T1=-1.1, z_T2=0.0)
+    tests = campaign(("memory", "slip_temperature"), **values, z_T1=-1.1, z_T2=0.0, k_zT=0.0)
     with few_effects(*SLIPPING):
         diagnosis = diagnose(Structure("power"), tests)
     assert diagnosis.candidates[0].effects == ("damping_temperature",)
