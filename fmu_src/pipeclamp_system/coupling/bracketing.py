@@ -9,7 +9,7 @@ itself jumps over it (sgn v as such), it is any force between the two that dry f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isfinite
+from math import inf
 
 from scipy.optimize import brentq
 
@@ -23,6 +23,9 @@ MOST_TRIALS_A_SWEEP = 60
 
 ENCLOSED_SHARE = 1e-14
 """Share of a force to which it is enclosed."""
+
+LOST = 1e9
+"""Residual, as a share of the scale, beyond which the unknowns have run away, to where no FMU takes the motion."""
 
 
 class _AgreedError(Exception):
@@ -55,7 +58,7 @@ def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tol
         error = max(shares)
         if error <= tolerance.relative:
             raise _AgreedError
-        if not isfinite(error):
+        if not error < LOST:
             raise NotFoundError(error)
         return given[index] - value
 

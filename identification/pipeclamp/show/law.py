@@ -9,9 +9,10 @@ from pipeclamp_identification.campaign.description import UNTIMED
 from pipeclamp_identification.comparison.in_the_middle import BY_RATIO, loop_in_the_middle
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
+from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.levels import VARIED_SHARE
-from pipeclamp_identification.workflow.change import STILL_AS_GOOD, LawChange
+from pipeclamp_identification.workflow.change import LawChange
 from pipeclamp_models.base.digits import one_digit, plain, with_error
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.base.units import CELSIUS, unit_shown

@@ -23,10 +23,11 @@ from pipeclamp_identification.diagnosis.named import (
 )
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Prepared
-from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, STILL_AS_GOOD
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
+from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.base.processes import ALONE, Workers
@@ -48,7 +49,6 @@ SINGLE_CYCLES = (
 COMPLETE_BUT_FOR_FORM = (
     "Complete, but for its form: what is left beside {} is small, and no effect of the catalogue takes most of it."
 )
-
 FITS_BUT_NOT_COMPLETE = "The law fits these tests as far as {} lets it, but it can't be called complete."
 
 
@@ -98,9 +98,18 @@ class RecordDiagnosed:
 
     @property
     def values(self) -> Mapping[str, float]:
-        """Parameters of the law with what is named first, by name; empty where nothing is named."""
+        """Parameters of the law with what is named first, by name; where nothing is, see `Diagnosed.values`."""
         named = self.diagnosis.found.named
-        return {} if named is None else named.result.law.values
+        if named is None:
+            return {} if self._errs_less is None else self.diagnosis.law.result.law.values
+        return named.result.law.values
+
+    @cached_property
+    def _errs_less(self) -> float | None:
+        """Error of the law as it is with the values by which it was judged; None where that is hardly less."""
+        runs = misfits(self.diagnosis.law.result.law, self.comparison.campaign.of_sines(), self.diagnosis.loops)
+        error = overall_nrmse(runs)
+        return error if error * STILL_AS_GOOD < overall_nrmse(self.comparison.runs) else None
 
     @property
     def together(self) -> tuple[str, ...]:
@@ -174,8 +183,8 @@ class RecordDiagnosed:
     def words(self) -> tuple[str, ...]:
         """Say why, and what is left over."""
         return (
-            *self.reasons(), *self.untested(), *self.cautions(), *self.left_over(), *self.farthest_off(),
-            *self.few_levels(),
+            *self.reasons(), *self.other_values(), *self.untested(), *self.cautions(), *self.left_over(),
+            *self.farthest_off(), *self.few_levels(),
         )  # fmt: skip
 
     @property
@@ -210,6 +219,16 @@ class RecordDiagnosed:
         if not self._law_stays:
             return ()
         return few_levels_words(self.diagnosis.law.result.fitted_parameters, self.diagnosis.problem.loops.conditions)
+
+    def other_values(self) -> tuple[str, ...]:
+        """Say that the verdict on a law that stays is of other values of its parameters, which do better."""
+        if not self._law_stays or self._errs_less is None:
+            return ()
+        error, own = f"{self._errs_less:.2%}", f"{overall_nrmse(self.comparison.runs):.2%}"
+        return (
+            f"the verdict is on other values of its parameters, with which the law errs by {error} of the force, "
+            f"not {own}: `diagnose --auto` fits it from these",
+        )
 
     def untested(self) -> tuple[str, ...]:
         """Say which condition has one value in all tests: of others no verdict can tell."""

@@ -76,3 +76,6 @@ LINE_STANDARD_ERRORS = 12.0
 """And when its pooled power exceeds its neighbours' by so many standard errors: hundreds of bins are looked at."""
 HALVES_CHANCE = 1e-4
 """Halves of the drive's frequency that noise makes so strong with less than this chance are there."""
+STILL_AS_GOOD = 1.025
+"""An error that rises beyond this ratio does so by a material part: an effect without which it does stays, and values
+with which it falls so far are other ones."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
 from pipeclamp_identification.importing.channels.naming import names_specimen, setting_called
 from pipeclamp_identification.importing.raw import Damaged, without_controls
+from pipeclamp_identification.importing.texts.above import temperature_above
 from pipeclamp_identification.importing.texts.decoding import decoded
 from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, further_quantity, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -215,8 +216,12 @@ def _stated(field: str, texts: Sequence[str]) -> tuple[str, list[float]]:
 
 
 def of_properties(properties: Mapping[str, object]) -> Settings:
-    """Give what a file's own properties state of its runs: the specimen; temperature and density, where with a unit."""
-    found: Settings = {}
+    """Give what a file's own properties state of its runs: the specimen; temperature and density, where with a unit.
+
+    A temperature may also be called as it is above a table: that of the test, of the specimen or of the oven.
+    """
+    above = temperature_above([name, without_controls(str(value))] for name, value in properties.items())
+    found: Settings = {} if above is None or above.temperature_C is None else {"temperature_C": above.temperature_C}
     for name, value in properties.items():
         plain, unit = unit_in_name(name)
         quantity, text = setting_called(plain), without_controls(str(value))

@@ -101,6 +101,7 @@ class RawTable:
 
     Attributes:
         name: of the table within its file: a sheet, a group, a block; "" where there is but one.
+        group: that it shares with tables of other lengths; "" where it shares none.
         channels: in the file's order.
         first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
         read_as: how it was read, for people.
@@ -122,6 +123,7 @@ class RawTable:
     joined: tuple[str, ...] = ()
     properties: Mapping[str, object] = field(default_factory=dict)
     above: Above | None = None
+    group: str = ""
 
     @property
     def length(self) -> int:
@@ -243,6 +245,7 @@ def table_of(name: str, columns: Sequence[tuple[str, str, object]], read_as: Seq
             tuple(by_length[length]),
             1,
             tuple(read_as),
+            group=name if len(lengths) > 1 else "",
         )
         for length in lengths
     ]

@@ -216,8 +216,9 @@ def _in_own_phase(run: Run, harmonics: int, displacement_average: float) -> _InO
     bounds = cycles.bounds - cycles.bounds[0]
     count = min(harmonics, carried_harmonics(phase, bounds))
     fitted = cycle_harmonics(phase, bounds, [y, force], count)
-    # each cycle has its own phase: a drive that wanders in phase doesn't smear the mean loop
-    lag = np.angle(fitted[0, :, 1])
+    # each cycle has its own phase: a drive that wanders in phase doesn't smear the mean loop; half a turn off, that
+    # phase would go to and fro between -pi and pi
+    lag = np.unwrap(np.angle(fitted[0, :, 1]))
     fitted *= np.exp(-1j * lag[:, None] * np.arange(count + 1))
     # the clamp saw the displacement before it was averaged; what an average leaves little of isn't brought back
     left = gain(displacement_average, np.arange(count + 1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
-from pipeclamp_identification.workflow.change import STILL_AS_GOOD
+from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD
 from pipeclamp_identification.workflow.climb import Climber, Fork, Place, Rung, Settled
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.processes import ALONE, Workers

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.diagnosis.named import parts_of
+from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -14,9 +15,6 @@ from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenanc
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import BeforeAfter, LawStep
-
-STILL_AS_GOOD = 1.025
-"""An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +128,14 @@ def remove_effect(
     return _changed(file, new, LawStep(gone=(effect,)), tests, provenance=provenance, progress=progress)
 
 
-def refit(file: LawFile, tests: Tests, *, provenance: Provenance, progress: Progress = silent) -> LawChange:
+def refit(
+    file: LawFile,
+    tests: Tests,
+    *,
+    provenance: Provenance,
+    start: Mapping[str, float] | None = None,
+    progress: Progress = silent,
+) -> LawChange:
     """Fit a law as it is made to tests anew, as where others have joined; arguments as for `add_effect`.
 
     What is held stays held, and the law's history goes on.
@@ -138,7 +143,7 @@ def refit(file: LawFile, tests: Tests, *, provenance: Provenance, progress: Prog
     Raises:
         UserError: the tests can't serve the law.
     """
-    return _changed(file, structure_of(file), LawStep(), tests, provenance=provenance, progress=progress)
+    return _changed(file, structure_of(file), LawStep(), tests, provenance=provenance, start=start, progress=progress)
 
 
 def without_spares(
@@ -162,6 +167,11 @@ def without_spares(
 def stays_as_good(change: LawChange) -> bool:
     """Tell whether the error on left-out conditions rises by less than a material part, and that of all samples too."""
     return change.heldout.after <= change.heldout.before * STILL_AS_GOOD and fits_samples(change)
+
+
+def clearly_better(change: LawChange) -> bool:
+    """Tell whether the error on left-out conditions falls by a material part, and that of all samples doesn't rise."""
+    return change.heldout.after * STILL_AS_GOOD < change.heldout.before and change.nrmse.after <= change.nrmse.before
 
 
 def fits_samples(change: LawChange) -> bool:

@@ -15,9 +15,11 @@ from pipeclamp_identification.workflow.change import (
     LawChange,
     add_effects,
     as_well_without,
+    clearly_better,
     exchange,
     fits_samples,
     helps,
+    refit,
     stays_as_good,
     takes,
     without_spares,
@@ -31,6 +33,8 @@ from pipeclamp_models.law.range import rounded
 
 MOST_EXCHANGED = 3
 """Laws with one thing exchanged that are refitted, best first, until one's error on left-out conditions falls."""
+
+OTHER_VALUES = "the law was judged with other values of its parameters, by which it errs less: it is fitted from these"
 
 
 @dataclass(frozen=True)
@@ -247,7 +251,7 @@ class Climber:
         found = found.naming_nothing(in_vain_words(in_vain)) if failed else found
         self.seen(found, place.file)
         if rung is None:
-            return Settled(place.file, found, place.ladder, in_vain)
+            return self._settled(place, found, in_vain)
         step = rung.change.step
         return _Onward(self._without_spares(place.after(rung), step.effect, str(step)))
 
@@ -256,7 +260,19 @@ class Climber:
         self.seen(found, place.file)
         whole = found.verdict == "complete" and len(place.ladder) < self.most
         simpler = self._with_something_simpler(place.file) if whole else None
-        return Settled(place.file, found, place.ladder, went) if simpler is None else _Onward(place.after(simpler))
+        return self._settled(place, found, went) if simpler is None else _Onward(place.after(simpler))
+
+    def _settled(self, place: Place, found: Diagnosed, in_vain: tuple[InVain, ...]) -> Settled | _Onward:
+        """End at a place, or go on from the values by which the diagnosis judged the law, where these do better.
+
+        A fit that begins at another law's values may end in a lower valley than the law's own.
+        """
+        if not found.effects and found.values and len(place.ladder) < self.most:
+            made, tell = self._provenance(place.file), self.workers.tell
+            change = refit(place.file, self.tests, provenance=made, start=found.values, progress=tell)
+            if clearly_better(change):
+                return _Onward(place.after(Rung(change, "revision", (OTHER_VALUES,))))
+        return Settled(place.file, found, place.ladder, in_vain)
 
     def _until_one_helps(self, place: Place, found: Diagnosed) -> list[list[LawChange]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.

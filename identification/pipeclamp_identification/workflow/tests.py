@@ -50,7 +50,10 @@ class Diagnosed(Naming, Protocol):
 
     @property
     def values(self) -> Mapping[str, float]:
-        """Parameters of the law with what is named first, by name, for its fit to begin at; empty where nothing is."""
+        """Parameters of the law with what is named first, by name, for its fit to begin at.
+
+        Where nothing is named, those of the law as it is, if it errs less by other values than its own; else empty.
+        """
 
     @property
     def other_parts(self) -> Mapping[str, float]:

@@ -8,6 +8,7 @@ import pytest
 from pipeclamp.pages.sections import rung_words
 from pipeclamp.show.diagnosis_views import rungs_told
 from pipeclamp_fmu import build
+from pipeclamp_identification.diagnosis import diagnosed
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.workflow import auto, change, climb
@@ -416,3 +417,40 @@ def test_no_other_way_is_climbed_by_what_something_speaks_against():
     diagnosis = SimpleNamespace(law=judged("", 1.0, True), explained=0.5, found=SimpleNamespace(others=others))
     parts = RecordDiagnosed.other_parts.fget(SimpleNamespace(diagnosis=diagnosis))
     assert parts == {"memory:2": pytest.approx(0.6)}
+
+
+@pytest.mark.parametrize(("after", "fits"), [(0.02, True), (0.0499, False)])
+def test_a_ladder_ends_with_the_values_that_the_verdict_is_on(after, fits, monkeypatch):
+    """A fit that begins at another law's values had found a lower valley than the law's, which nobody got."""
+    last = found("complete")
+    last.values = {"k10": 2.0}
+    answers = {(): found("missing", "cause", "oil_damper"), ("oil_damper",): last}
+    starts = []
+
+    def refit(file, tests, *, start, **options):
+        starts.append(start)
+        again = law(*file.effects, history=file.history)
+        answers[again.effects] = found("complete")
+        return SimpleNamespace(
+            step=LawStep(), after=again, heldout=BeforeAfter(0.05, after), nrmse=BeforeAfter(0.04, 0.02),
+        )  # fmt: skip
+
+    monkeypatch.setattr(climb, "refit", refit)
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert starts == [{"k10": 2.0}]
+    steps = [(str(rung.change.step), rung.kind) for rung in settled.ladder]
+    assert steps == [("+ oil_damper", "cause"), *([("a refit", "revision")] if fits else [])]
+
+
+@pytest.mark.parametrize(("own", "told"), [(0.0074, True), (0.00385, False)])
+def test_values_that_err_less_than_the_laws_own_are_given_and_told(own, told, monkeypatch):
+    monkeypatch.setattr(diagnosed, "misfits", lambda law, campaign, loops: law.error)
+    monkeypatch.setattr(diagnosed, "overall_nrmse", lambda runs: runs)
+    judged = SimpleNamespace(result=SimpleNamespace(law=SimpleNamespace(values={"k10": 2.0}, error=0.0038)))
+    diagnosis = SimpleNamespace(
+        verdict="complete", found=SimpleNamespace(named=None), law=judged, loops=None,
+    )  # fmt: skip
+    campaign = SimpleNamespace(of_sines=lambda: None)
+    one = RecordDiagnosed(diagnosis, SimpleNamespace(campaign=campaign, runs=own))
+    assert one.values == ({"k10": 2.0} if told else {})
+    assert ["0.38% of the force, not 0.74%" in words for words in one.other_values()] == [True] * told

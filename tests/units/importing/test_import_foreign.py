@@ -54,6 +54,9 @@ LAYOUTS = {
         "X_Value\tWeg\tLoad Cell\tComment", delimiter="\t",
         header=Y_UNITS.replace("mm\tN", "Millimeters\tNewtons"),
     ),
+    "names with units above rates and slots": named(
+        "Zeit 1 - Standardmessrate [s]\tWeg [mm]\tKraft [N]\n1 - 200 Hz\tSlot 1\tSlot 2", delimiter="\t"
+    ),
     "LabVIEW without a time": "".join(
         f"\t{line.partition(chr(9))[2]}\t\n" if line[0].isdigit() else f"{line}\n"
         for line in named("X_Value\tWeg\tLoad Cell\tComment", delimiter="\t", header=Y_UNITS).splitlines()
@@ -70,6 +73,20 @@ def test_layouts_of_other_programs_are_read(tmp_path, layout):
     (tmp_path / "a.csv").write_text(LAYOUTS[layout])
     pc.import_files(tmp_path / "a.csv", tmp_path / "c")
     assert_same_campaign(tmp_path / "c", [Loop("a", *list(vars(RUN).values())[1:])])
+
+
+@pytest.mark.parametrize("second", ["mm\tN", "mm\tkN"])
+def test_each_of_labviews_segments_states_its_units(tmp_path, second):
+    names = "X_Value\tWeg\tLoad Cell\tComment"
+    header = Y_UNITS[Y_UNITS.index("Channels") :].replace("mm\tN", second)
+    whole = named(names, delimiter="\t", header=Y_UNITS) + "\n" + named(names, delimiter="\t", header=header)
+    (tmp_path / "a.lvm").write_text(whole)
+    if second == "mm\tN":
+        pc.import_files(tmp_path / "a.lvm", tmp_path / "c")
+        assert len(pc.read_campaign(tmp_path / "c")) == 2
+    else:
+        with pytest.raises(pc.UserError, match="has other columns or units from line"):
+            pc.import_files(tmp_path / "a.lvm", tmp_path / "c")
 
 
 @pytest.mark.parametrize(
@@ -455,6 +472,52 @@ def test_properties_of_a_tdms_file_state_what_its_records_dont_show(tmp_path):
     pc.import_files([tmp_path / "day.tdms"], tmp_path / "stated", pattern="Run_{specimen}")
     read = pc.read_campaign(tmp_path / "stated").tests.campaign.runs
     assert [run.setup.specimen for run in read] == ["0", "1"]
+
+
+def test_each_group_of_a_tdms_file_has_its_own_slow_channels(tmp_path):
+    runs = [loop(0.5), loop(0.3)]
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(str(tmp_path / "day.tdms")) as writer:
+        for number, run in enumerate(runs):
+            slow = np.full(len(run.time) // 20 + 1, 40.0 + number)
+            writer.write_segment(
+                [
+                    nptdms.ChannelObject(
+                        f"Run {number}",
+                        name,
+                        values,
+                        {"unit_string": unit, "wf_increment": (20 if name == "PT100" else 1) / 200},
+                    )
+                    for name, unit, values in [("Weg", "mm", run.y), ("Kraft", "N", run.force), ("PT100", "°C", slow)]
+                ]
+            )
+    found = pc.import_files([tmp_path / "day.tdms"], tmp_path / "campaign")
+    assert any("PT100" in note and "straight lines" in note for note in found.notes)
+    read = pc.read_campaign(tmp_path / "campaign").tests.campaign.runs
+    assert [(run.name, run.setup.temperature_C) for run in read] == [("day_Run_0", 40.0), ("day_Run_1", 41.0)]
+
+
+def test_attributes_of_hdf5_groups_state_what_their_records_dont_show(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "day.h5", "w") as file:
+        file.attrs["Prüftemperatur"] = "23 °C"
+        for number, run in enumerate([loop(0.5), loop(0.3)]):
+            group = file.create_group(f"run {number}")
+            group.attrs.update({"Specimen": "A-17", "rate": 200.0} | ({"temperature_C": -40.0} if number else {}))
+            for name, values in (("time_s", run.time), ("Weg_mm", run.y), ("Kraft_N", run.force)):
+                group[name] = values
+    pc.import_files([tmp_path / "day.h5"], tmp_path / "campaign")
+    read = pc.read_campaign(tmp_path / "campaign").tests.campaign.runs
+    assert [(run.setup.specimen, run.setup.temperature_C) for run in read] == [("A-17", 23.0), ("A-17", -40.0)]
+
+
+def test_a_measured_temperature_goes_before_a_propertys_without_a_word(tmp_path):
+    run = loop(0.5)
+    channels = [("t", "s", run.time), ("Weg", "mm", run.y), ("Kraft", "N", run.force), ("T", "°C", 0 * run.time + 60)]
+    tdms_of(tmp_path / "day.tdms", [("Data", {}, channels)], root={"Test temperature (°C)": 20.0})
+    found = pc.import_files([tmp_path / "day.tdms"], tmp_path / "campaign")
+    assert pc.read_campaign(tmp_path / "campaign").tests.campaign.runs[0].setup.temperature_C == 60.0
+    assert not any("own properties" in note for note in found.notes)
 
 
 def test_what_files_properties_state_alike_is_told_once(tmp_path):

@@ -196,6 +196,14 @@ def test_rows_per_cycle_follow_a_force_that_drifts(harmonic_record, loops_from):
     )
 
 
+def test_cycles_that_begin_at_the_smallest_displacement_are_told_apart(harmonic_record, loops_from):
+    record = harmonic_record(force=F, cycles=9.0, rate=600.0, phase=np.pi)
+    noise = np.random.default_rng(1).normal(0.0, 1e-3, len(record.time_s))
+    loops = loops_from(dataclasses.replace(record, displacement_mm=record.displacement_mm + noise))
+    assert [len(phases) for phases in per_cycle(loops).phases] == pytest.approx([200.0] * 9, abs=2)
+    assert np.all(np.abs(np.diff(loops.phases[0])) < 2 * np.pi)
+
+
 @pytest.mark.parametrize("cycles", [(1,), (1, 1), (2, 2, 1), (3, 3, 2)])
 def test_stretches_of_a_record_follow_a_force_that_drifts(harmonic_record, loops_from, cycles):
     record = harmonic_record(force=F, cycles=float(sum(cycles)), rate=600.0)

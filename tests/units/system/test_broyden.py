@@ -75,3 +75,15 @@ def test_forces_that_step_are_enclosed():
     found = enclosed(_friction, [0.0, 0.0], [20.0, 20.0], tolerance)
     # The first slides; the second is held by what keeps it still: -12 - f - 0.3 * 20 = 0.
     assert found == pytest.approx([20.0, -18.0], rel=1e-5)
+
+
+def test_unknowns_that_run_away_are_given_up_before_an_fmu_refuses_them():
+    asked = []
+
+    def answer(force):
+        asked.append(abs(force[0]))
+        return [1.0 + 30.0 * force[0]]
+
+    with pytest.raises(NotFoundError):
+        enclosed(answer, [1.0], [1.0], SolverTolerance(1e-6, 60))
+    assert max(asked) < 1e12

@@ -111,7 +111,22 @@ def _brought_together(tables: tuple[RawTable, ...], stated: Sequence[Stated]) ->
     if len(tables) > 1 and len(whole) < 2:
         joined = _joined_test(tables, stated, whole[0] if whole else None)
         return (joined,) if joined else tables
+    for one in whole:
+        tables = _with_its_group(tables, one, stated)
     return tables
+
+
+def _with_its_group(tables: tuple[RawTable, ...], test: RawTable, stated: Sequence[Stated]) -> tuple[RawTable, ...]:
+    """Give tables with those joined to a test that share its group, where it is the one test of that."""
+    group = [table for table in tables if table.group == test.group]
+    if not test.group or len(group) < 2 or sum(_is_whole(table, stated) for table in group) > 1:
+        return tables
+    joined = _joined_test(group, stated, test)
+    if joined is None:
+        return tables
+    called = replace(joined, name=test.group)
+    others = [called if table is test else table for table in tables]
+    return tuple(table for table in others if table is called or table.group != test.group)
 
 
 def _joined_test(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,16 @@ def _held(group: Any, size: int, depth: int) -> dict[str, Any]:
         elif isinstance(item, h5py.Dataset) and not item.external and item.shape:
             refuse_size(f"data set {item.name!r}", float(np.prod(item.shape, dtype=np.float64)), size, COMPRESSED)
             found[name] = _data(item)
+    return {**_stated(group, found), **found}
+
+
+def _stated(group: Any, held: Collection[str]) -> dict[str, Any]:
+    """Give the single numbers and texts that a group's attributes state, but for names that what it holds has."""
+    found: dict[str, Any] = {}
+    for name, value in group.attrs.items():
+        texts = _texts(value)
+        if name not in held and name not in (*UNITS, *NAMES) and len(texts) == 1:
+            found[name] = texts[0] if np.asarray(value).dtype.kind in "OSU" else np.asarray(value).item()
     return found
 
 

@@ -25,7 +25,7 @@ from pipeclamp_identification.importing.records.all_runs import (
 )
 from pipeclamp_identification.importing.records.drafts import KnownFile, TakenFile, TakenTable, is_timed
 from pipeclamp_identification.importing.records.named_run import Called, NamedRun, name_part, named_run
-from pipeclamp_identification.importing.records.taking import Way, taken_files
+from pipeclamp_identification.importing.records.taking import OURS, Way, taken_files
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import UnusableFileError, are_no_strays, foremost, listed_why
@@ -157,8 +157,9 @@ class _Planner:
             self._untimed.append(called)
         for words in table.joined:
             self._alike.setdefault(words, []).append(called)
-        if table.stated:
-            words = f"{few_of(sorted(table.stated))} taken from the file's own properties"
+        measured = {OURS.get(column.ours, column.ours) for column in table.mapped.columns}
+        if stated := sorted(set(table.stated) - measured):
+            words = f"{few_of(stated)} taken from the file's own properties"
             self._alike.setdefault(words, []).append(called)
         for unread in table.unread:
             self.note(f"{called}: {unread.words()}; such cells count as blank")

@@ -303,6 +303,7 @@ def names_above(rows: Sequence[Sequence[str]], width: int) -> Names:
     """Give names and units of columns, units "" where none are stated, and what stands above the names.
 
     A row of units stands below the names, or above them where nothing else does; alone, it leaves them without names.
+    Without one, names that state units go before what stands below them, catman's rates and slots.
 
     Args:
         rows: of cells above the numbers, each so wide.
@@ -312,7 +313,9 @@ def names_above(rows: Sequence[Sequence[str]], width: int) -> Names:
     blank = ("",) * width
     place = next((place for place in reversed(range(len(filled))) if _are_units(filled[place])), None)
     if place is None or (len(filled) == 1 and not _are_ours(filled[0])):
-        return _unique(filled[-1] if filled else blank), blank, tuple([blank, *filled][-2] if filled else blank)
+        last = len(filled) - 1
+        named = next((row for row in range(last, -1, -1) if _name_ours(filled[row])), last)
+        return _unique(filled[named] if filled else blank), blank, tuple(filled[named - 1] if named > 0 else blank)
     others = filled[place - 1 : place] or filled[place + 1 : place + 2] or [blank]
     titles = filled[place - 2] if place > 1 else blank
     return _unique(others[0]), tuple(_bare(cell) for cell in filled[place]), tuple(titles)
@@ -386,6 +389,11 @@ def _are_ours(row: Sequence[str]) -> bool:
     return len({quantity_of_unit(cell) for cell in plain if cell and _is_plain_unit(cell)} & NEEDED) > 1
 
 
+def _name_ours(row: Sequence[str]) -> bool:
+    """Tell whether a row's names state units of two different channels that a record needs."""
+    return len({quantity_of_unit(unit_in_name(cell)[1]) for cell in row if cell} & NEEDED) > 1
+
+
 def is_header(row: Sequence[str], names: Sequence[str]) -> bool:
     """Tell whether a row is one of a table's names, or of units."""
     return len(set(row) & set(names)) >= FEWEST_COLUMNS or _are_units(row)
@@ -396,7 +404,9 @@ def is_other_header(row: Sequence[str], names: Sequence[str], units: Sequence[st
     cells = [_bare(cell) for cell in row]
     if len(set(row) & set(names)) >= FEWEST_COLUMNS:
         return _unique(row) != tuple(names[: len(row)])
-    return any(units) and _are_units(row) and _are_ours(row) and cells != list(units[: len(cells)])
+    # a label stands before units, not a unit of the first column
+    skipped = 1 if cells and UNIT_LABEL.search(cells[0]) else 0
+    return any(units) and _are_units(row) and _are_ours(row) and cells[skipped:] != list(units[skipped : len(cells)])
 
 
 def _is_plain_unit(cell: str) -> bool:
