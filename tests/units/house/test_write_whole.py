@@ -75,9 +75,9 @@ def test_names_of_files_are_safe_on_every_system(names, stems):
 def test_a_full_disk_is_told_with_the_place_and_what_to_do(tmp_path):
     """It had been `[Errno 28] No space left on device`, without a word of where."""
     full = OSError(errno.ENOSPC, "No space left on device")
-    with pytest.raises(UserError, match=r"camp: can't be written \(No space left on device\); expected room"):
-        with files.staged_folder(tmp_path / "camp"):
-            raise full
+    told = r"camp: can't be written \(No space left on device\); expected room"
+    with pytest.raises(UserError, match=told), files.staged_folder(tmp_path / "camp"):
+        raise full
     assert not list(tmp_path.iterdir())
     with pytest.raises(OSError, match="Permission denied"), files.staged_folder(tmp_path / "camp"):
         raise PermissionError(errno.EACCES, "Permission denied")
