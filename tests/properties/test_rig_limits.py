@@ -98,6 +98,13 @@ def test_levels_are_what_is_said_and_lie_within(ends: tuple[float, float], level
         assert float(f"{said:.3g}") == pytest.approx(said, rel=1e-12)
 
 
+@pytest.mark.parametrize("celsius", [-40.0, -29.97, -0.001, 0.0, 23.0])
+def test_one_temperature_is_a_level_below_zero_too(celsius: float):
+    levels = stated_levels(np.linspace(celsius, celsius, 3), celsius, celsius)
+    np.testing.assert_allclose(levels, [celsius], rtol=1e-9)
+    assert len(stated_levels(np.array([celsius]), celsius + 1.0, celsius)) == 0
+
+
 @given(limits=LIMITS)
 def test_limits_are_read_as_they_are_said(limits: Limits):
     words = limits_words(limits)

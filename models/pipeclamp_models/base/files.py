@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
@@ -33,6 +34,9 @@ LONGEST_PLAIN = 60
 """Characters of a name that is made plain."""
 FMU, SSP = ".fmu", ".ssp"
 """How names end by which tools know what they hold."""
+FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Errors of a disk, or a user's share of it, that is full."""
+ROOM = "expected room on its disk: free some, or name another place"
 WAITS_s = (0.02, 0.05, 0.1, 0.2, 0.4)
 """Waited before a file that can't be replaced is tried again."""
 
@@ -188,7 +192,8 @@ def write_whole(path: Path, content: bytes | str) -> None:
     except BaseException as error:
         Path(temporary).unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise UserError(f"{path}: can't be written ({error.strerror})") from error
+            remedy = f"; {ROOM}" if error.errno in FULL else ""
+            raise UserError(f"{path}: can't be written ({error.strerror}){remedy}") from error
         raise
 
 
@@ -236,7 +241,7 @@ def staged_folder(folder: Path) -> Iterator[Path]:
     That holds of what killed processes left there, too.
 
     Raises:
-        UserError: it can't be made.
+        UserError: it can't be made, or its disk is full.
     """
     with ExitStack() as stack:
         try:
@@ -245,7 +250,12 @@ def staged_folder(folder: Path) -> Iterator[Path]:
             raise UserError(
                 f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
             ) from error
-        yield work
+        try:
+            yield work
+        except OSError as error:
+            if error.errno not in FULL:
+                raise
+            raise UserError(f"{folder}: can't be written ({error.strerror}); {ROOM}") from error
 
 
 def replace_folder(work: Path, folder: Path) -> None:

@@ -1,5 +1,6 @@
 """Files on every system: replaced while somebody reads them, which Windows refuses, and names that it takes, too."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -69,3 +70,14 @@ def test_what_cant_be_written_is_refused_before_the_work(tmp_path, monkeypatch, 
 )
 def test_names_of_files_are_safe_on_every_system(names, stems):
     assert files.plain_stems(names) == stems
+
+
+def test_a_full_disk_is_told_with_the_place_and_what_to_do(tmp_path):
+    """It had been `[Errno 28] No space left on device`, without a word of where."""
+    full = OSError(errno.ENOSPC, "No space left on device")
+    told = r"camp: can't be written \(No space left on device\); expected room"
+    with pytest.raises(UserError, match=told), files.staged_folder(tmp_path / "camp"):
+        raise full
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(OSError, match="Permission denied"), files.staged_folder(tmp_path / "camp"):
+        raise PermissionError(errno.EACCES, "Permission denied")

@@ -25,6 +25,8 @@ REACH_F = (0.5, 2.0)
 """Without a stated limit: frequencies from half the lowest to twice the highest tested."""
 CONDITION_DIGITS = 3
 """Significant digits of a proposed test's conditions: what is said is what the drive signal does."""
+HAIR = 1e-9
+"""Share by which a condition may lie beyond an end of its limits."""
 
 
 @dataclass(frozen=True)
@@ -242,8 +244,9 @@ def stated_levels(values: Array, low: float, high: float) -> Array:
     Returns:
         levels in rising order, each once; empty where the ends leave nothing between them.
     """
-    # a hair wider, so that an end which is three digits long stays what it is
-    if low > high * (1 + 1e-9):
+    # a hair wider, so that an end which is three digits long stays what it is; temperatures may lie below zero
+    lowest, highest = low - HAIR * abs(low), high + HAIR * abs(high)
+    if low > highest:
         return np.empty(0)
     within = np.clip(values, low, max(low, high))
     unit = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(within), 1e-300))) - CONDITION_DIGITS + 1)
@@ -252,4 +255,4 @@ def stated_levels(values: Array, low: float, high: float) -> Array:
     nearest = np.where(nearest * unit < low, np.ceil(low / unit - 1e-9), nearest)
     said = np.round(nearest * unit, 12)
     # ends closer to each other than three digits can say
-    return np.unique(np.where((said > high * (1 + 1e-9)) | (said < low * (1 - 1e-9)), within, said))
+    return np.unique(np.where((said > highest) | (said < lowest), within, said))
