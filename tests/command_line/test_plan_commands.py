@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import pytest
 from banded import banded
 
+import pipeclamp as pc
 from pipeclamp.__main__ import main
 from pipeclamp.cli import planning
 from pipeclamp.show import narrowing as views
@@ -67,8 +68,9 @@ def test_what_cannot_serve_is_refused(tmp_path, refused, options, said):
 
 def test_a_campaign_is_planned_and_tried_on_the_rig(tmp_path, pipeclamp):
     folder, answer, report = tmp_path / "planned", tmp_path / "plan.json", tmp_path / "plan.html"
+    pc.open_law("emwm2").save(tmp_path / "my law.json")
     options = ["--hours", "0.3", "--limits", "A=0.2..1,f=2..6,T=20..20", "--json", answer, "--report", report]
-    done = pipeclamp("plan", "-o", folder, *options)
+    done = pipeclamp("plan", "-o", folder, "--law", tmp_path / "my law.json", *options)
     said = " ".join(done.stdout.split())
     told = json.loads(answer.read_text(encoding="utf-8"))
     assert f"In {told['hours']:.3g} rig hours this plan can tell all {told['stages'][-1]['told']} effects " in said

@@ -103,7 +103,7 @@ def plan(
         from pipeclamp.pages.page import write_report
 
         write_report(report, *campaign_plan_page(found, following), command_called())
-    show(campaign_plan_view(found, output), json)
+    show(campaign_plan_view(found, output, law), json)
     say([following.words()])
 
 

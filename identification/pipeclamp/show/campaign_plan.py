@@ -18,9 +18,9 @@ FOR_EXAMPLE = "hardening"
 """An effect that a virtual rig may hide."""
 
 
-def campaign_plan_view(plan: CampaignPlan, folder: Path | None) -> View:
-    """Give how a campaign is told; `folder` is where it was written."""
-    return View(campaign_plan_answer(plan), [stages_table(plan)], campaign_plan_words(plan, folder))
+def campaign_plan_view(plan: CampaignPlan, folder: Path | None, law: str | None = None) -> View:
+    """Give how a campaign is told; `folder` is where it was written, `law` as in `campaign_plan_words`."""
+    return View(campaign_plan_answer(plan), [stages_table(plan)], campaign_plan_words(plan, folder, law))
 
 
 def stages_table(plan: CampaignPlan) -> Table:
@@ -49,8 +49,14 @@ def effects_table(plan: CampaignPlan) -> Table:
     return Table(header, rows, f"rms force from which on an effect is named in {NAMED:.0%} of such campaigns")
 
 
-def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[str]:
-    """Say what a campaign names in how many hours, when to stop, and what was assumed."""
+def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None, law: str | None = None) -> list[str]:
+    """Say what a campaign names in how many hours, when to stop, and what was assumed.
+
+    Args:
+        plan: the campaign.
+        folder: that it was written into, if any.
+        law: file or bundled name by which its law is known to commands; its name by default.
+    """
     scene = plan.power.scene
     named_from, told = plan.power.from_newtons, plan.power.told
     count, among = int(told.sum()), len(scene.effects)
@@ -100,7 +106,7 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         f"{limits_words(limits)}. An effect of another form than the catalogue's needs more."
     )
     if folder:
-        tried = shell_line("rig", plan.law, "-o", "virtual", "--plan", str(folder), "--effects", FOR_EXAMPLE)
+        tried = shell_line("rig", law or plan.law, "-o", "virtual", "--plan", str(folder), "--effects", FOR_EXAMPLE)
         lines += [
             f"{folder} holds plan.csv, the drive signals, and a campaign that waits for its records in runs/.",
             f"To try it before the rig does, with an effect hidden in it: {tried}",
