@@ -39,7 +39,10 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
-from pipeclamp_identification.diagnosis.weighing.causes import unless_at_one_condition
+from pipeclamp_identification.diagnosis.weighing.causes import (
+    unless_at_one_condition,
+    unless_it_slips_at_one_amplitude,
+)
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
 from pipeclamp_identification.diagnosis.weighing.weigh import part_or_nothing, weigh
@@ -182,7 +185,7 @@ def diagnose(
     differing = _unstated_beside(law, judged, problem)
     scales = Scales(structure, problem, law, judged, tolerance, workers)
     found = weigh(scales, differing)
-    found = unless_at_one_condition(found, problem.loops)
+    found = unless_it_slips_at_one_amplitude(unless_at_one_condition(found, problem.loops), problem)
     workers.tell("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
     if found.verdict != "complete":

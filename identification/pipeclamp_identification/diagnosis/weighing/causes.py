@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.foretold import (
 )
 from pipeclamp_identification.diagnosis.named import listed
 from pipeclamp_identification.diagnosis.objections import without_essence
-from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.screen import fits
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
@@ -34,6 +34,7 @@ from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_th
 from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate
 from pipeclamp_identification.fitting.heldout import are_at_one_condition
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.digits import told_apart
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import NamedKind
@@ -324,6 +325,22 @@ def unless_at_one_condition(found: Weighed, loops: Loops) -> Weighed:
     if found.kind != "cause" or not are_at_one_condition(loops):
         return found
     words = "all tests are at one amplitude and frequency, so that nothing shows whether it foretells others"
+    return replace(found, kind="part", reasons=(*found.reasons, words))
+
+
+def unless_it_slips_at_one_amplitude(found: Weighed, problem: Problem) -> Weighed:
+    """Call nothing the cause that slips where all tests are at one amplitude.
+
+    A few slip elements follow any one loop; which part of a clamp slips before which is told by other amplitudes.
+    """
+    named = found.named
+    sure = found.verdict == "missing" and found.kind == "cause"
+    if named is None or not sure or varies("A", problem.observations.motion.slow["A"]):
+        return found
+    effect = named.result.law.structure.effect(found.effects[0])
+    if not any(coefficient.role == "slip" for coefficient in effect.coefficients):
+        return found
+    words = f"all tests are at one amplitude, at which what slips otherwise than {effect.name} may do the same"
     return replace(found, kind="part", reasons=(*found.reasons, words))
 
 
