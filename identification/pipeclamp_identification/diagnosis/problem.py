@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.objections import objections, of_groups,
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
-from pipeclamp_identification.fitting.heldout import condition_groups, further_groups, kept_at_ends
+from pipeclamp_identification.fitting.heldout import condition_groups, further_groups, kept_at_ends, share_of_force
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import linearised
@@ -275,16 +275,18 @@ def judge(
     missing = max(beyond, lack.excess * np.count_nonzero(left_out))
     scores = {name: without.score(groups) for name, groups in problem.further_groups.items()}
     further = {
-        name: _share_of_force(scores[name], problem.loops, groups >= 0)
+        name: share_of_force(scores[name].mean_squares, problem.loops, groups >= 0)
         for name, groups in problem.further_groups.items()
     }
     over_range = {
-        name: _share_of_force(
-            _with_ends(scores[name], score, ends), problem.loops, ends | (problem.further_groups[name] >= 0)
+        name: share_of_force(
+            np.where(ends, score.mean_squares, scores[name].mean_squares),
+            problem.loops,
+            ends | (problem.further_groups[name] >= 0),
         )
         for name, ends in problem.ends.items()
     }
-    error = _share_of_force(score, problem.loops, left_out)
+    error = share_of_force(score.mean_squares, problem.loops, left_out)
     price = _price_of_free_means(result, problem)
     score = replace(score, squares=score.squares + price)
     akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
@@ -315,18 +317,6 @@ def most_promising_first(
 ) -> list[Mapping[str, float]]:
     """Order values to start from by what one step of linear least squares promises from each."""
     return sorted(starts, key=lambda start: linearised(structure, observations, start).cost_after_one_step())
-
-
-def _share_of_force(score: LeftOutScore, loops: Loops, left_out: BoolArray) -> float:
-    """Give the error on the runs that are left out as a share of their force, scatter included."""
-    squares = score.mean_squares + loops.noise_rms_N**2
-    return float(np.sqrt(np.sum(squares[left_out]) / np.sum(loops.force_rms_N[left_out] ** 2)))
-
-
-def _with_ends(by_level: LeftOutScore, by_group: LeftOutScore, ends: BoolArray) -> LeftOutScore:
-    """Give the score of levels that are left out, and at a condition's ends that of groups that are."""
-    squares = np.where(ends, by_group.squares, by_level.squares)
-    return LeftOutScore(squares, np.where(ends, by_group.mean_squares, by_level.mean_squares))
 
 
 @dataclass(frozen=True)

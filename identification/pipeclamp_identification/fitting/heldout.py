@@ -160,6 +160,22 @@ def folds(groups: IntArray, most: int) -> Iterator[tuple[IntArray, IntArray]]:
         yield np.flatnonzero(~left_out), np.flatnonzero(left_out)
 
 
+def share_of_force(mean_squares: Array, loops: Loops, left_out: BoolArray) -> float:
+    """Give the error on loops that were left out as a share of their force, scatter included.
+
+    None counts for more than its whole force, by which no law at all errs: of what only extrapolation could tell an
+    error says no more.
+
+    Args:
+        mean_squares: of each loop's error, N2, scatter left aside, shape (R,); NaN or infinite where it has no size.
+        loops: the tests.
+        left_out: which count, shape (R,).
+    """
+    whole = loops.force_rms_N**2
+    squares = np.fmin(mean_squares + loops.noise_rms_N**2, whole)
+    return float(np.sqrt(np.sum(squares[left_out]) / np.sum(whole[left_out])))
+
+
 def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:
     """Give the error of a law's structure on (amplitude, frequency) groups that weren't used to fit it.
 
@@ -170,7 +186,7 @@ def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most:
         most: most folds.
 
     Returns:
-        error over all left-out loops as a share of their force, scatter included.
+        error over all left-out loops, as of `share_of_force`.
     """
     groups = condition_groups(loops)
     as_it_is, fitted_to = force_of_law(law, observations.motion), observations
@@ -182,7 +198,7 @@ def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most:
     factors = factors_of(find_groups(loops, fitted_to, as_it_is), loops, observations)
     explained = 0.0 if factors is None else factors.beside(as_it_is).force()
     widened = fitted_to.with_discrepancy(as_it_is, explained)
-    error = force = 0.0
+    mean_squares = np.zeros(len(groups))
     for used, left_out in folds(groups, most):
         rows = widened.rows(used)
         own = None if factors is None else PooledObservations(rows, factors.rows(used))
@@ -193,7 +209,5 @@ def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most:
         if own and factors:
             # a group's factors come from its runs that are left
             shown = factors.rows(left_out).beside(foretold).force(own.estimate(refitted.law_force))
-        misfit = beyond.mean_squares(foretold, shown)
-        error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))
-        force += float(np.sum(loops.force_rms_N[left_out] ** 2))
-    return float(np.sqrt(error / force))
+        mean_squares[left_out] = beyond.mean_squares(foretold, shown)
+    return share_of_force(mean_squares, loops, np.ones(len(groups), dtype=np.bool_))

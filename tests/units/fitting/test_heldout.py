@@ -17,6 +17,7 @@ from pipeclamp_identification.fitting.heldout import (
     further_groups,
     left_out_at_once,
     refitted_nrmse,
+    share_of_force,
 )
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
@@ -125,3 +126,17 @@ def test_a_state_that_creeps_is_left_out_as_all_points_of_the_cycle_show_it(tmp_
     found = refitted_nrmse(law, loops, loop_observations(loops))
     monkeypatch.setattr(heldout, "coarser", lambda loops, observations: observations)
     assert found == pytest.approx(refitted_nrmse(law, loops, loop_observations(loops)), rel=0.03)
+
+
+@pytest.mark.parametrize("wild", [1e30, np.inf, np.nan])
+def test_what_only_extrapolation_could_tell_errs_by_the_whole_force(wild, tmp_path):
+    """Of an effect with an exponent an error of 150988900757 % was told where one current was left out."""
+    loops = _loops(tmp_path, Plan((0.3, 0.9), (2.0, 4.0), (20.0,), cycles=3, rate=200))
+    every = np.ones(len(loops.run), dtype=bool)
+    few = np.full(len(every), 4.0)
+    known = np.sqrt((few.sum() + np.sum(loops.noise_rms_N**2)) / np.sum(loops.force_rms_N**2))
+    assert share_of_force(few, loops, every) == pytest.approx(known)
+    assert share_of_force(np.where(every, wild, 0.0), loops, every) == 1.0
+    one = np.arange(len(every)) == 1
+    assert share_of_force(np.where(one, wild, few), loops, one) == 1.0
+    assert share_of_force(np.where(one, wild, few), loops, ~one) < 0.1
