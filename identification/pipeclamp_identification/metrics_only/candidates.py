@@ -14,6 +14,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     EXPECTED_FREEDOMS,
     MetricJudged,
     Scatter,
+    by_rank,
     chance,
     chance_of_lack,
     judge_metrics,
@@ -24,7 +25,7 @@ from pipeclamp_identification.metrics_only.pairs import metric_pairs
 from pipeclamp_identification.metrics_only.screen import Look, look
 from pipeclamp_identification.metrics_only.thresholds import FEWEST_FREEDOMS, REAL_CHANCE
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
-from pipeclamp_identification.metrics_only.weighing import by_rank, outdoes_in_fit
+from pipeclamp_identification.metrics_only.weighing import outdoes_in_fit
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.equations.effect import Effect

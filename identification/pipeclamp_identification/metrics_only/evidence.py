@@ -108,10 +108,10 @@ class MetricJudged:
         """Squares with the price of each parameter (Akaike's)."""
         return self.squares + 2.0 * self.parameters
 
-    @property
-    def rank(self) -> tuple[float, int]:
-        """What laws are ordered by, best first; of those that are as good the one with fewer parameters of any kind."""
-        return round(self.score, SAME_SCORE_DIGITS), len(self.result.equations.names)
+
+def by_rank(judged: MetricJudged) -> tuple[float, int]:
+    """Give what laws are ordered by, best first; of those as good the one with fewer parameters of any kind."""
+    return round(judged.score, SAME_SCORE_DIGITS), len(judged.result.equations.names)
 
 
 def judge_metrics(

@@ -15,6 +15,7 @@ from pipeclamp_identification.metrics_only.evidence import (
     LeftOutErrors,
     MetricJudged,
     Scatter,
+    by_rank,
     chance,
     chance_of_lack,
     judge_metrics,
@@ -29,7 +30,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     REAL_CHANCE,
 )
 from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
-from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, by_rank, weigh
+from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.processes import ALONE, Workers

@@ -17,7 +17,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 from pipeclamp_identification.diagnosis.weighing.special_cases import is_special_case
 from pipeclamp_identification.fitting.resampling import share_of_gains
 from pipeclamp_identification.metrics_only.campaign import SCATTER_BEFOREHAND
-from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, MetricJudged, Scatter
+from pipeclamp_identification.metrics_only.evidence import EXPECTED_FREEDOMS, MetricJudged, Scatter, by_rank
 from pipeclamp_identification.metrics_only.thresholds import (
     FEWEST_FREEDOMS,
     GREATER_PART_SHARE,
@@ -220,11 +220,6 @@ def _outdoes(pair: MetricJudged, alone: MetricJudged | None, scales: MetricScale
     by_itself = scales.law.squares - alone.squares if alone else 0.0
     together = scales.law.squares - pair.squares
     return together - by_itself >= PAIR_TAKES_SHARE * (whole - by_itself)
-
-
-def by_rank(judged: MetricJudged) -> tuple[float, int]:
-    """Give what laws are ordered by, best first."""
-    return judged.rank
 
 
 def outdoes_in_fit(pair: MetricJudged, alone: MetricJudged) -> bool:
