@@ -163,17 +163,17 @@ def folds(groups: IntArray, most: int) -> Iterator[tuple[IntArray, IntArray]]:
 def share_of_force(mean_squares: Array, loops: Loops, left_out: BoolArray) -> float:
     """Give the error on loops that were left out as a share of their force, scatter included.
 
-    None counts for more than its whole force, by which no law at all errs: of what only extrapolation could tell an
-    error says no more.
+    None counts for more than the largest force of all tests: of what only extrapolation could tell an error has no
+    size.
 
     Args:
         mean_squares: of each loop's error, N2, scatter left aside, shape (R,); NaN or infinite where it has no size.
         loops: the tests.
         left_out: which count, shape (R,).
     """
-    whole = loops.force_rms_N**2
-    squares = np.fmin(mean_squares + loops.noise_rms_N**2, whole)
-    return float(np.sqrt(np.sum(squares[left_out]) / np.sum(whole[left_out])))
+    force = loops.force_rms_N**2
+    squares = np.fmin(mean_squares + loops.noise_rms_N**2, np.max(force))
+    return float(np.sqrt(np.sum(squares[left_out]) / np.sum(force[left_out])))
 
 
 def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:

@@ -129,14 +129,15 @@ def test_a_state_that_creeps_is_left_out_as_all_points_of_the_cycle_show_it(tmp_
 
 
 @pytest.mark.parametrize("wild", [1e30, np.inf, np.nan])
-def test_what_only_extrapolation_could_tell_errs_by_the_whole_force(wild, tmp_path):
+def test_what_only_extrapolation_could_tell_errs_by_the_largest_force(wild, tmp_path):
     """Of an effect with an exponent an error of 150988900757 % was told where one current was left out."""
     loops = _loops(tmp_path, Plan((0.3, 0.9), (2.0, 4.0), (20.0,), cycles=3, rate=200))
-    every = np.ones(len(loops.run), dtype=bool)
-    few = np.full(len(every), 4.0)
-    known = np.sqrt((few.sum() + np.sum(loops.noise_rms_N**2)) / np.sum(loops.force_rms_N**2))
-    assert share_of_force(few, loops, every) == pytest.approx(known)
-    assert share_of_force(np.where(every, wild, 0.0), loops, every) == 1.0
-    one = np.arange(len(every)) == 1
-    assert share_of_force(np.where(one, wild, few), loops, one) == 1.0
-    assert share_of_force(np.where(one, wild, few), loops, ~one) < 0.1
+    force = loops.force_rms_N
+    every = np.ones(len(force), dtype=bool)
+    large = np.full(len(force), np.max(force) ** 2 / 2)  # more than all of the smallest loop's force
+    known = np.sqrt(np.sum(large + loops.noise_rms_N**2) / np.sum(force**2))
+    assert share_of_force(large, loops, every) == pytest.approx(known)
+    smallest, largest = np.arange(len(force)) == np.argmin(force), np.arange(len(force)) == np.argmax(force)
+    assert share_of_force(np.where(largest, wild, 4.0), loops, largest) == 1.0
+    assert share_of_force(np.where(smallest, wild, 4.0), loops, smallest) == pytest.approx(max(force) / min(force))
+    assert share_of_force(np.where(smallest, wild, 4.0), loops, ~smallest) < 0.1
