@@ -5,7 +5,7 @@ from __future__ import annotations
 from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, ClampStart, Entry, FurtherCondition
 from pipeclamp_fmu.slaves.clamp import MM, within
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.signals import CONDITION, column_of
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import Interval, LawFile, law_of
@@ -112,7 +112,7 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
     key = columns.get(name, name)
     if key not in file.range:
         raise UserError(
-            f"law {file.name!r} depends on {column_of(name)}, but its range doesn't hold it; "
+            f"law {file.name!r} depends on {name.removeprefix(CONDITION)}, but its range doesn't hold it; "
             "expected a law identified from tests that state it: identify it anew"
         )
     interval = _ends(file.range[key])
