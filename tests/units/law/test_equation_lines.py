@@ -18,8 +18,8 @@ def lines(*effects):
 def test_a_state_that_slips_is_told_in_words():
     (state,) = [line for line in lines("memory") if line.startswith("z, after a step")]
     assert state == (
-        "z, after a step = slip if slip < k_s (y - y_previous) + z; -slip if slip < -k_s (y - y_previous) - z; "
-        "else k_s (y - y_previous) + z"
+        "z, after a step = slip if slip < stick (y - y_previous) + z; -slip if slip < -stick (y - y_previous) - z; "
+        "else stick (y - y_previous) + z"
     )
 
 
@@ -52,7 +52,7 @@ def test_an_effect_is_stated_whole(effect):
 def test_statements_say_what_they_are():
     said = [(one.words, one.plain) for one in effect_statements(find_effect("memory"))]
     assert said[0] == ("force added, N", "z")
-    assert said[-1] == ("energy stored, N mm", "z^2/(2 k_s)")
+    assert said[-1] == ("energy stored, N mm", "z^2/(2 stick)")
     (growth,) = effect_statements(find_effect("contact_growth"))
     assert growth.words == "factor on every stiffness"
     assert growth.latex == r"\text{stiffness} \times \left(\beta \max\left(0, T - T_{c}\right) + 1\right)"

@@ -68,7 +68,7 @@ def test_what_stands_twice_is_named_with_either_sign():
         r"u & \text{otherwise}",
     )
     whole = rf"\begin{{cases}} {BREAK.join(cases)} \end{{cases}}"
-    move = r"k_{s} \left(y - y_\mathrm{prev}\right) + z"
+    move = r"\mathrm{stick} \left(y - y_\mathrm{prev}\right) + z"
     assert state.latex == rf"\begin{{split}}z \leftarrow & {whole} \\ u = & {move}\end{{split}}"
 
 
