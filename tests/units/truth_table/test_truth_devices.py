@@ -190,7 +190,9 @@ def test_a_device_is_put_to_the_package_as_a_user_would(monkeypatch):
             assert len(campaign.runs) == 16
 
         def diagnose(self, file, **_):
-            return SimpleNamespace(verdict="complete", effects=(), diagnosis=SimpleNamespace(reasons=("it fits",)))
+            return SimpleNamespace(
+                verdict="complete", effects=(), values={}, diagnosis=SimpleNamespace(reasons=("it fits",))
+            )
 
     monkeypatch.setattr(judge, "RecordTests", Tests)
     outcome = judge.judged_device(DeviceCase("drag", 0), 1)
