@@ -159,8 +159,7 @@ class RecordDiagnosed:
 
     def naming_a_part(self, reason: str) -> Self:
         """Give the same with what it names as the cause for a part, for this reason."""
-        found = self.diagnosis.found
-        found = replace(found, kind="part", reasons=(*found.reasons, reason))
+        found = self.diagnosis.found.as_part(reason)
         return replace(self, diagnosis=replace(self.diagnosis, found=found))
 
     def naming_nothing(self, reason: str) -> Self:

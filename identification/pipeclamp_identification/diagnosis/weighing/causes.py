@@ -260,7 +260,7 @@ def unless_another_does(found: Weighed, like: Sequence[Judged]) -> Weighed:
     if not as_well:
         return found
     words = f"{' and '.join(as_well[0].effects)} together fit as well, though {as_well[0].reservations[0]}"
-    return replace(found, kind="part", reasons=(*found.reasons, words))
+    return found.as_part(words)
 
 
 def named_together(pair: Judged, sound: Sequence[Judged], kind: NamedKind, does: str, scales: Scales) -> Weighed:
@@ -325,7 +325,7 @@ def unless_at_one_condition(found: Weighed, loops: Loops) -> Weighed:
     if found.kind != "cause" or not are_at_one_condition(loops):
         return found
     words = "all tests are at one amplitude and frequency, so that nothing shows whether it foretells others"
-    return replace(found, kind="part", reasons=(*found.reasons, words))
+    return found.as_part(words)
 
 
 def unless_it_slips_at_one_amplitude(found: Weighed, problem: Problem) -> Weighed:
@@ -341,11 +341,11 @@ def unless_it_slips_at_one_amplitude(found: Weighed, problem: Problem) -> Weighe
     if not any(coefficient.role == "slip" for coefficient in effect.coefficients):
         return found
     words = f"all tests are at one amplitude, at which what slips otherwise than {effect.name} may do the same"
-    return replace(found, kind="part", reasons=(*found.reasons, words))
+    return found.as_part(words)
 
 
 def if_it_is_itself(found: Weighed) -> Weighed:
     """Call no effect the cause without what sets it apart: it fits by its form then."""
     named = found.pair or found.named
     words = without_essence(found.effects[0], named.result) if named is not None and found.kind == "cause" else ""
-    return replace(found, kind="part", reasons=(*found.reasons, words)) if words else found
+    return found.as_part(words) if words else found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -35,6 +35,10 @@ class Weighed:
     others: tuple[Judged, ...] = ()
     unstated: Unstated | None = None
     bent: BentChannel | None = None
+
+    def as_part(self, why: str) -> Weighed:
+        """Give the same with what is named as a part, and why it is no cause."""
+        return replace(self, kind="part", reasons=(*self.reasons, why))
 
 
 @dataclass(frozen=True)

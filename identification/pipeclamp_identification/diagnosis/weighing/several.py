@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations
 
 from pipeclamp_identification.diagnosis.candidates import in_place_of, likeliest
@@ -82,7 +81,7 @@ def _the_first_of(several: Judged, general: str, whole: Judged, scales: Scales) 
 
 def _as_a_part(found: Weighed, several: Judged, general: str, whole: Judged) -> Weighed:
     words = f"{_alike(several, whole)}, special cases of {general}, leave about as little together"
-    return replace(found, kind="part", reasons=(*found.reasons, f"{words}: it may stand for them"))
+    return found.as_part(f"{words}: it may stand for them")
 
 
 def _alike(several: Judged, whole: Judged) -> str:

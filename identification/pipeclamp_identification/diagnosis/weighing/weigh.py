@@ -197,7 +197,7 @@ def _but_for_the_channel(found: Weighed, scales: Scales) -> Weighed:
     if bent.akaike < named.akaike - RIVAL_LIKELIHOOD:
         return _the_channel(bent)
     as_well = f"{bent.words()}; it would explain it as well"
-    return replace(found, kind="part", reasons=(*found.reasons, as_well), bent=bent)
+    return replace(found.as_part(as_well), bent=bent)
 
 
 def _the_channel(bent: BentChannel) -> Weighed:
