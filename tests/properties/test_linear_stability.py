@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -105,12 +106,12 @@ def test_an_element_that_never_slips_behind_a_clearance_makes_no_motion_unstable
     values |= {"F_S": 6.0, "K_T": 30.0, "chi": -0.3, "beta_S": 0.2}
     write_law(tmp_path / "spread.json", values, "power", ("slip_spread", "play"), 1e-6)
     law = law_of(read_law(tmp_path / "spread.json"))
-    # the spread's lowest cell slips so soon that samples as usual err by more, at a kink, than such a motion grows by
-    samples = 2 * samples_of_law(law, {"T": 293.15}, 9.0, 60.0)
+    samples = samples_of_law(law, {"T": 293.15}, 9.0, 60.0)
     clamp = SteadyClamp(law, 293.15, 1.0, 6.0, (0.01, 9.0), (0.5, 60.0), samples=samples)
     pipe = reduce(parse_pipe(cantilever(ratio=0.005, up_to_Hz=200, probes={"tip": 3.0})))
-    states = SteadySystem(pipe, [(0, clamp)], lambda frequency: 1.0).followed(4.1, 4.3).states
-    assert all(state.stable for state in states)
+    # below 4.14 Hz a branch leaves the curve, where the motion itself is at the edge of what is stable
+    states = SteadySystem(pipe, [(0, clamp)], lambda frequency: 1.0).followed(4.15, 4.3).states
+    assert all(state.growth < -0.005 * 2 * math.pi * state.frequency for state in states)
 
 
 @pytest.mark.parametrize("k10", [1e4, 1e6])
