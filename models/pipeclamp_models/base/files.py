@@ -169,7 +169,7 @@ def write_whole(path: Path, content: bytes | str) -> None:
     """Write `content` to `path` so that the file appears whole or not at all.
 
     Args:
-        path: the file to write; an existing one is replaced.
+        path: the file to write; an existing one is replaced, of a link the one that it leads to.
         content: bytes, or text that is written as UTF-8 with "\\n" line ends on every platform; bytes of files' names
             that are no text are written as question marks, which any reader of the file takes.
 
@@ -178,8 +178,9 @@ def write_whole(path: Path, content: bytes | str) -> None:
     """
     refuse_file(path)
     data = content.encode("utf-8", "replace") if isinstance(content, str) else content
+    place = Path(os.path.realpath(path))  # links in a circle, too
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        handle, temporary = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.", suffix=".part")
     except OSError as error:
         raise UserError(
             f"{path}: can't write there ({error.strerror}); expected an existing folder that is writable"
@@ -188,7 +189,7 @@ def write_whole(path: Path, content: bytes | str) -> None:
         with os.fdopen(handle, "wb") as stream:
             stream.write(data)
         Path(temporary).chmod(0o644)
-        _replace(Path(temporary), path)
+        _replace(Path(temporary), place)
     except BaseException as error:
         Path(temporary).unlink(missing_ok=True)
         if isinstance(error, OSError):

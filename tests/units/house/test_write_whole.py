@@ -31,6 +31,20 @@ def test_it_is_tried_again_for_a_while(tmp_path, monkeypatch, refusals, written)
     assert [each.name for each in tmp_path.iterdir()] == ["law.json"]
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+def test_what_a_link_leads_to_is_written(tmp_path):
+    (tmp_path / "kept").mkdir()
+    (tmp_path / "kept" / "law.json").write_text("old", encoding="utf-8")
+    link, circle = tmp_path / "law.json", tmp_path / "circle.json"
+    link.symlink_to(Path("kept", "law.json"))
+    circle.symlink_to(circle)
+    for path in (link, circle):
+        files.write_whole(path, "new")
+        assert path.read_text(encoding="utf-8") == "new"
+    assert link.is_symlink()
+    assert [each.name for each in (tmp_path / "kept").iterdir()] == ["law.json"]
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes among files")
 def test_no_file_takes_the_place_of_a_device_or_pipe(tmp_path):
     os.mkfifo(tmp_path / "pipe")
