@@ -22,7 +22,7 @@ RUNS_PRINTED = 8
 """Runs that a terminal shows, worst first."""
 SHOWN_BY_VALUE = ("amplitude_mm", "frequency_Hz", "temperature_C")
 """Conditions that are shown with their value in each run, not with their level."""
-_MEAN_TAKEN = "An element never slips, so that the force is known up to a constant, and the measured mean is taken"
+_MEAN_TAKEN = "The force is known up to a constant only, and the measured mean is taken"
 
 
 def how_much(comparison: Comparison) -> list[str]:

@@ -29,12 +29,13 @@ REST_VELOCITY_SHARE = 0.1
 
 @dataclass(frozen=True)
 class FreeRun:
-    """One usable run of free motion: its samples, and their motion."""
+    """One usable run of free motion: its samples, and their motion; `mean_known` as of `RunRow`."""
 
     name: str
     setup: Setup
     record: Record
     motion: SmoothMotion
+    mean_known: bool = True
 
     @property
     def begins_at_rest(self) -> bool:

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pipeclamp_identification.campaign.description import UNTIMED
-from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures
+from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures, runs_named
 from pipeclamp_identification.campaign.plausibility import (
     contradiction,
     falls_with_displacement,
     implausible,
+    lack_means,
     makes_energy,
     unless_contradicted,
 )
@@ -20,7 +21,9 @@ from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
 from pipeclamp_identification.units.doubts import ShownRun, StatedAndShown, contradicted_units, unlikely_units
+from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.said import counted
 
 
 class NominalSettings(NamedTuple):
@@ -42,6 +45,7 @@ class JudgedRuns:
         faults: of sensors, those of runs that are left out among them.
         doubts: which units are likely wrong.
         remarks: all that is to be said of runs that are used.
+        without_mean: names of those whose mean force isn't known, as is stated or as all sines show.
     """
 
     sines: Mapping[str, SeenSine]
@@ -52,6 +56,7 @@ class JudgedRuns:
     faults: tuple[SensorFault, ...]
     doubts: tuple[str, ...]
     remarks: tuple[str, ...]
+    without_mean: frozenset[str]
 
 
 def judge_runs(
@@ -91,6 +96,7 @@ def judge_runs(
     kept = {run: one for run, one in sines.items() if run not in unusable}
     settings, contradicted = _settings(kept)
     fundamentals = {run: one.shown for run, (_, one) in kept.items()}
+    without_mean, lacking = _without_mean([row for row in rows if row.run not in unusable], kept)
     failures = [(one.run, one.failure) for one in left_out if one.failure and one.run not in sensors.failed]
     return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
@@ -106,9 +112,11 @@ def judge_runs(
             *sensors.remarks,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
+            *lacking,
             *filter(None, [makes_energy(fundamentals), falls_with_displacement(fundamentals)]),
             *_moving_from_the_start(moving),
         ),
+        without_mean=without_mean,
     )
 
 
@@ -155,6 +163,36 @@ def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, N
         for run in sines
     }
     return settings, tuple(filter(None, words))
+
+
+def _without_mean(
+    rows: Sequence[RunRow], sines: Mapping[str, tuple[RunRow, SeenSine]]
+) -> tuple[frozenset[str], tuple[str, ...]]:
+    """Give the names of runs whose mean force isn't known, and words about them.
+
+    Args:
+        rows: of all runs that can be used.
+        sines: of those, by name.
+    """
+    stated = [row.run for row in rows if row.mean_known is False]
+    open_ = [row.run for row in rows if row.mean_known is None]
+    even = {run: one.even for run, (row, one) in sines.items() if row.mean_known is None}
+    found = open_ if lack_means(list(even.values())) else []
+    words = []
+    if stated:
+        words.append(
+            f"the mean force of {counted(len(stated), 'run')} isn't known, as is stated ({runs_named(stated)}): it is "
+            "taken off, and doesn't count"
+        )
+    if found:
+        most = max(even, key=lambda run: abs(even[run].second))
+        words.append(
+            f"the force channel passes no mean, as a piezoelectric cell does: in all {len(even)} runs the mean force "
+            f"is near zero, though the force is larger at one end of the cycle (in run {most!r} by "
+            f"{newtons(2 * abs(even[most].second))}), and what makes that makes a mean force too; means don't count "
+            '(they do with mean_force = "known" in [defaults] of campaign.toml)'
+        )
+    return frozenset((*stated, *found)), tuple(words)
 
 
 def _moving_from_the_start(free: Mapping[str, SeenFree]) -> tuple[str, ...]:

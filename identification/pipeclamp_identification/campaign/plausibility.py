@@ -29,6 +29,11 @@ WRONG_UNITS = 100.0
 device whose force hardly follows the amplitude may span as much, but from run to run; hence also the next one."""
 JUMP_FACTOR = 30.0
 """Factor to the next run that makes a jump: the middle, in logs, between one and a thousand."""
+MISSING_MEAN_SHARE = 0.25
+"""Of the second harmonic, below which a mean force is missing: half of the least that comes with it, for a record that
+begins at rest may keep some of what its sensor has lost."""
+FEWEST_UNLIKE_ENDS = 4
+"""Runs in which it must be so: a constant load may make up for the mean force of tests that are alike."""
 STATED_APART = 0.2
 """Share by which a measured setting may differ from the stated one: drives miss by a few percent, and the fundamental
 of a triangle is 19 % below its peak."""
@@ -54,6 +59,21 @@ class Fundamental:
     def dissipated_energy(self) -> float:
         """Energy in J that the fundamental dissipates in a cycle, pi A^2 Im(F1/Y1)."""
         return math.pi * self.amplitude_mm**2 * self.stiffness.imag / 1e3
+
+
+@dataclass(frozen=True)
+class EvenForce:
+    """What of a record's force is alike at both ends of a cycle, in N: what presses more at one end makes all of it.
+
+    Attributes:
+        mean: over whole cycles.
+        second: its second harmonic in the phase of the displacement, but for what the displacement's own makes.
+        standard_error: of the second, at most.
+    """
+
+    mean: float
+    second: float
+    standard_error: float
 
 
 @dataclass(frozen=True)
@@ -93,6 +113,42 @@ def fundamental_of(record: Record, cycles: Cycles, known: CycleByCycle | None = 
     noise = math.sqrt(2 * rest / len(force)) / amplitude
     scatter = float(np.std(per_cycle, ddof=1)) / math.sqrt(cycles.count) if cycles.count > 1 else 0.0
     return Fundamental(amplitude, complex(np.mean(per_cycle)), math.hypot(noise, scatter))
+
+
+def even_force_of(record: Record, cycles: Cycles, shown: Fundamental) -> EvenForce:
+    """Give what of a record's force is alike at both ends of a cycle.
+
+    Args:
+        record: samples that `check_samples` has passed.
+        cycles: its steady cycles.
+        shown: its fundamental.
+    """
+    y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
+    whole = cycles.bounds[[0, -1]] - cycles.bounds[0]
+    Y, F = (one[0] for one in cycle_harmonics(cycles.phase(record), whole, [y, force], 2))
+    # the drive's distortion: the stiffness at twice the frequency is another one
+    own = shown.stiffness * Y[2]
+    second = (F[2] - own) * np.conj(Y[1] / abs(Y[1])) ** 2
+    error = math.hypot(shown.standard_error * shown.amplitude_mm, abs(own))
+    return EvenForce(float(F[0].real), float(second.real), error)
+
+
+def lack_means(even: Sequence[EvenForce]) -> bool:
+    """Tell whether the means of forces are missing, as from a sensor that passes none.
+
+    Whatever presses, holds or damps more on one side makes a mean force and a second harmonic together: of y^2, v^2 and
+    all that goes with them as much of both, of a stop that is touched for a moment half as much, of one touched for
+    half the cycle half as much again.
+
+    Args:
+        even: of all runs.
+    """
+    sure = [one for one in even if abs(one.second) > BEYOND_DOUBT * one.standard_error]
+    if len(sure) < FEWEST_UNLIKE_ENDS:
+        return False
+    most = max(abs(one.second) for one in sure)
+    without = all(abs(one.mean) <= MISSING_MEAN_SHARE * abs(one.second) for one in sure)
+    return without and all(abs(one.mean) <= MISSING_MEAN_SHARE * most for one in even)
 
 
 def implausible(shown: Mapping[str, Fundamental]) -> dict[str, str]:

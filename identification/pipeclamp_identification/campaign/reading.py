@@ -8,10 +8,13 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, read_description
+from pipeclamp_identification.campaign.drifting import without
 from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault, runs_named
 from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
@@ -34,7 +37,7 @@ class Run:
     """One usable run: the motion that was set (None where not known), its samples and its steady cycles.
 
     Where a zero drifted, the drift is taken off the samples, but nobody knows where it stood: `mean_known` is False,
-    and the mean force says nothing.
+    and the mean force says nothing. It is taken off where it isn't known from the outset.
     """
 
     name: str
@@ -172,12 +175,13 @@ def _looked_at(job: tuple[RunRow, Record], time_measured: bool) -> tuple[Run | F
 def _judged(run: Run, judged: JudgedRuns) -> Run:
     """Give a run with its record as the sensors leave it, and what was stated where the record doesn't contradict."""
     amplitude, frequency = judged.settings[run.name]
-    seen = judged.sines[run.name]
+    seen, mean_known = judged.sines[run.name], run.name not in judged.without_mean
+    record = judged.sensors.repaired(run.name, run.record, seen)
     return replace(
         run,
         setup=run.setup.measured_at(seen.temperature_C),
-        record=judged.sensors.repaired(run.name, run.record, seen),
-        mean_known=run.name not in judged.sensors.of_unknown_mean,
+        record=record if mean_known else without(record, "force", float(np.mean(record.force_N[run.cycles.steady]))),
+        mean_known=mean_known and run.name not in judged.sensors.of_unknown_mean,
         amplitude_mm=amplitude,
         frequency_Hz=frequency,
     )
@@ -187,7 +191,10 @@ def _shifted(run: FreeRun, judged: JudgedRuns) -> FreeRun:
     """Give a run of free motion with its sensors' zeros where they belong."""
     record = judged.sensors.shifted(run.name, run.record)
     off = run.record.displacement_mm[0] - record.displacement_mm[0]
-    return replace(run, record=record, motion=replace(run.motion, y=run.motion.y - off))
+    mean_known = run.name not in judged.without_mean
+    if not mean_known:
+        record = without(record, "force", float(np.mean(record.force_N)))
+    return replace(run, record=record, motion=replace(run.motion, y=run.motion.y - off), mean_known=mean_known)
 
 
 def seen_of(run: Run | FreeRun | LeftOut) -> SeenRecord | LeftOut:

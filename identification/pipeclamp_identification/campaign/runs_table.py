@@ -7,7 +7,7 @@ import difflib
 import io
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -27,9 +27,11 @@ MEASURED_DIGITS = 3
 """Decimals of a mean temperature, degC."""
 
 
-TEXT_COLUMNS = ("run", "file", "specimen", "motion")
+TEXT_COLUMNS = ("run", "file", "specimen", "motion", "mean_force")
 MOTIONS = ("sine", "free")
 """What a run's displacement follows: a sine, which is usual, or anything that begins at rest."""
+MEANS = ("known", "unknown")
+"""Whether a record's mean force counts: a piezoelectric cell has none, and one that was set to zero a wrong one."""
 OF_SINES = ("amplitude_mm", "frequency_Hz")
 """Numbers that a free motion doesn't have."""
 # each number that a run states, with the bound that it must exceed (or may equal, for a count)
@@ -119,6 +121,7 @@ class RunRow:
     """One row of runs.csv, [defaults] filled in; None where a value isn't known.
 
     A row has a record in `file` or, where that is blank, the metrics of its loop. `free`: its motion is no sine.
+    `mean_known`: whether the mean of its force counts; None where that isn't stated.
     """
 
     row: int
@@ -129,6 +132,7 @@ class RunRow:
     setup: Setup
     metrics: Mapping[str, Printed]
     free: bool = False
+    mean_known: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -231,8 +235,10 @@ def meant_column(column: str) -> str | None:
     spelled = {re.sub("_", "", name).lower(): name for name in known}
     if (letters := re.sub(r"[\W_]", "", column.lower())) in spelled:
         return spelled[letters]
-    # run and file are needed: where they go by another name, that is an error of its own; a motion may have a name
-    stems = {name.lower().split("_")[0]: name for name in known if name not in ("run", "file", "motion")}
+    # run and file are needed: where they go by another name, that is an error of its own; a motion may have a name,
+    # and anything a mean
+    apart = ("run", "file", "motion", "mean_force")
+    stems = {name.lower().split("_")[0]: name for name in known if name not in apart}
     if quantity in stems:
         return stems[quantity]
     long = [stem for stem in stems if len(stem) >= SPELLED]
@@ -329,18 +335,24 @@ def _run_row(
         ),
         metrics=_metrics(path, row, named) if without_record else {},
         free=free,
+        mean_known={"": None, "known": True, "unknown": False}[_word(path, row, named, "mean_force", MEANS)],
     )
+
+
+def _word(path: Path, row: int, named: Mapping[str, str], column: str, words: Sequence[str]) -> str:
+    """Give what a row says in a column, one of a few words, or nothing."""
+    cell = named.get(column, "")
+    if cell and cell not in words:
+        raise UserError(
+            f"{path}, row {row}, column {column!r}: got {cell!r}; {did_you_mean(cell, words)}expected one of "
+            f"{', '.join(words)}, or a blank cell"
+        )
+    return cell
 
 
 def _is_free(path: Path, row: int, named: Mapping[str, str], without_record: bool) -> bool:
     """Tell whether a row's motion is free; one that then states a sine, or has no record, is refused."""
-    motion = named.get("motion") or MOTIONS[0]
-    if motion not in MOTIONS:
-        raise UserError(
-            f"{path}, row {row}, column 'motion': got {motion!r}; {did_you_mean(motion, MOTIONS)}expected one of "
-            f"{', '.join(MOTIONS)}; a blank cell is {MOTIONS[0]}"
-        )
-    if motion == "sine":
+    if _word(path, row, named, "motion", MOTIONS) in ("", "sine"):
         return False
     if without_record:
         raise UserError(

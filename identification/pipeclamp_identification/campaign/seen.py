@@ -12,7 +12,14 @@ from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, Extremes, 
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, StuckInPart
 from pipeclamp_identification.campaign.free_motion import begins_at_rest, fundamental_of_motion
-from pipeclamp_identification.campaign.plausibility import CycleByCycle, Fundamental, cycle_by_cycle, fundamental_of
+from pipeclamp_identification.campaign.plausibility import (
+    CycleByCycle,
+    EvenForce,
+    Fundamental,
+    cycle_by_cycle,
+    even_force_of,
+    fundamental_of,
+)
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.smooth_motion import SmoothMotion
 
@@ -59,12 +66,14 @@ class SeenSine(SeenRecord):
         by_cycle: mean and fundamental of each.
         ends: how far each channel goes.
         stuck: a channel that stands still beside them; None where none does.
+        even: what of the force is alike at both ends of a cycle.
     """
 
     cycles: Cycles
     by_cycle: CycleByCycle
     ends: Mapping[Channel, Extremes]
     stuck: StuckInPart | None
+    even: EvenForce
 
 
 @dataclass(frozen=True)
@@ -83,7 +92,8 @@ def seen_sine(record: Record, cycles: Cycles) -> SeenSine:
     }  # fmt: skip
     ends = {channel: extremes_of(record, cycles, channel, amplitudes[channel]) for channel in CHANNEL_UNITS}
     place, mean_force = (float(np.mean(one[:, 0].real)) for one in (by_cycle.displacement, by_cycle.force))
-    return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends, stuck_beside(record, cycles))
+    stuck, even = stuck_beside(record, cycles), even_force_of(record, cycles, shown)
+    return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends, stuck, even)
 
 
 def seen_free(record: Record, motion: SmoothMotion) -> SeenFree:

@@ -17,6 +17,7 @@ from pipeclamp_identification.campaign.description import description_text
 from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.runs_table import MEANS
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import PLAIN_FILE_NAME, untaken, write_folder
 from pipeclamp_models.base.progress import Progress, silent
@@ -114,6 +115,7 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
     whose: dict[str, str] = {}
     taken: set[str] = set()
     free = any(campaign.free for campaign in campaigns)
+    means_known = all(run.mean_known for one in campaigns for runs in (one.runs, one.free) for run in runs)
     for campaign in campaigns:
         if campaign.time_measured is not campaigns[0].time_measured:
             without = next(one.name for one in campaigns if not one.time_measured)
@@ -148,5 +150,6 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 "density_g_cm3": run.setup.density_g_cm3,
                 **{column: None if math.isnan(value := run.setup.conditions[column]) else value for column in columns},
                 "first_cycle": run.setup.first_cycle,
+                **({} if means_known else {"mean_force": MEANS[0 if run.mean_known else 1]}),
             }
             yield WrittenRun(row, run.record)

@@ -126,7 +126,8 @@ class RunComparison(AnswerModel):
     )
     mean_taken: bool | None = Field(
         default=None,
-        description="of a free motion: the law knows its force up to a constant only, and the measured mean is taken",
+        description="of a free motion: the law's force or the measured one is known up to a constant only, and the "
+        "measured mean is taken",
     )
     rest_force_N: float | None = Field(
         default=None,

@@ -47,7 +47,7 @@ def beginning(law: Law, run: FreeRun, motion: Motion, unloaded: Array, largest: 
 
     A specimen has a past: where friction holds it, or a clearance stands at one end, its force at rest isn't that of an
     unloaded law. Only the force before the motion begins is asked, and the nearest place is taken that explains it;
-    none where the force doesn't differ, or the record begins in motion.
+    none where the force doesn't differ, its mean isn't known, or the record begins in motion.
 
     Args:
         law: the law.
@@ -56,7 +56,7 @@ def beginning(law: Law, run: FreeRun, motion: Motion, unloaded: Array, largest: 
         unloaded: the law's force along it in N, its memory unloaded, shape (n,).
         largest: amplitude in the law's range, mm.
     """
-    if not law.equations.states or not run.begins_at_rest:
+    if not law.equations.states or not run.begins_at_rest or not run.mean_known:
         return None
     lack, error = _lack_at_rest(run, unloaded)
     if not abs(lack) > max(SURE_STANDARD_ERRORS * error, MATERIAL * float(np.sqrt(np.mean(run.record.force_N**2)))):

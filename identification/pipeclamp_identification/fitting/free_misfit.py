@@ -46,7 +46,8 @@ class FreeMisfit:
         temperature_K: mean over the record; nan where it isn't known.
         came_from: displacement in mm from which the law is brought to where the record begins, so that its force at
             rest is the measured one; None where its memory is unloaded.
-        adrift: whether the law's force is known up to a constant only, for which the measured mean is taken.
+        adrift: whether the law's force or the measured one is known up to a constant only, for which the measured mean
+            is taken.
         at_rest: force in N of the law where the record begins, at rest and its memory unloaded.
         nrmse_without: error as a share of the force, were the law without that constant force; None where it has none
             that is worth a word.
@@ -102,8 +103,8 @@ def free_misfits(
     The law begins at rest where the record begins, its memory loaded as the force at rest says (see `beginning`), and
     sees the motion without its sensor's noise. A and f follow the motion as an FMU's do that is built with `--track`;
     load cycles are counted as there. Effects of the rig (offset, delay, inertia) belong to what is measured. Where an
-    element never slips along the whole record, so that the force is known up to a constant only, the measured mean is
-    taken for that constant.
+    element never slips along the whole record, so that the force is known up to a constant only, or the mean of the
+    measured force isn't known, the measured mean is taken for that constant.
 
     Args:
         file: the law.
@@ -208,7 +209,7 @@ def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, 
     on_samples = [np.interp(time, run.motion.time, values) for values in (run.motion.y, run.motion.v, force, *tracks)]
     y, v, computed, amplitude, frequency = on_samples
     measured = run.record.force_N
-    adrift = _remembers_its_beginning(law, motion, force)
+    adrift = not run.mean_known or _remembers_its_beginning(law, motion, force)
     if adrift:
         computed = computed + np.mean(measured - computed)
     return FreeMisfit(
