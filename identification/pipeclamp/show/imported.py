@@ -33,7 +33,7 @@ def columns_table(files: tuple[ImportedFile, ...]) -> Table:
         alike.setdefault(tuple(file.columns.items()), []).append(file.file)
     rows = [
         (
-            ours, column.channel, Conversion(column.factor, column.offset).words(),
+            ours, column.channel, Conversion(column.factor, column.offset, column.integrated).words(),
             "stated" if column.stated else "by name and unit", few_of(names, MOST_NAMED),
         )
         for columns, names in alike.items()

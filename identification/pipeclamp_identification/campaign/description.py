@@ -102,12 +102,13 @@ class ColumnSources(TomlTable):
 
 
 class ImportedColumn(TomlTable):
-    """A channel of a file that became one of our columns: ours = factor * theirs + offset."""
+    """A channel of a file that became one of our columns: ours = factor * theirs + offset, integrated over time."""
 
     channel: StrictStr = Field(description="name and unit, as the file has them")
     unit: StrictStr = Field(default="", description="that counted; empty where none is needed")
     factor: Number = 1.0
     offset: Number = 0.0
+    integrated: int = Field(default=0, description="so many times, of a speed or an acceleration")
     stated: bool = Field(default=False, description="by the user, not by the file's names")
 
 

@@ -51,6 +51,7 @@ MEANT: Mapping[Quantity, Mapping[str, str]] = {
     "temperature": {"c": "degC", "f": "degF", "k": "K", "°": "degC", "deg": "degC"},
     "time": {"S": "s", "m": "min"},
     "displacement": {"M": "m"},
+    "acceleration": {"g": "standard_gravity", "G": "standard_gravity"},
 }
 """What a unit of something else means where a force, a temperature, ... is stated in it."""
 BARE: Mapping[str, Quantity] = {
@@ -70,6 +71,8 @@ OF_OTHERS: Mapping[str, str] = {
 """Units of something else that stand so, and what they mean; A, V or bar may be a symbol or a word of the name."""
 RATIOS = ("mm/s", "mm/s**2", "N/mm", "rad/s")
 """What a unit with a stroke turns into that stands so: "Kraft F/kN" is no capacity over a force."""
+RATES: Mapping[Quantity, str] = {"speed": "mm/s", "acceleration": "mm/s**2"}
+"""What a displacement is integrated from, the first once, the second twice."""
 SAME_FACTOR_SHARE = 2e-3
 """A factor agrees with a unit where it differs by no more than its rounding does: 9.81 for 9.80665 is 3e-4 off."""
 
@@ -83,19 +86,23 @@ SPELT_RATIO = re.compile(r"^(.*\S)[\s_]+([^\s_,/]+)[\s_]per[\s_]([^\s_,/]+)\s*$"
 """A unit with its stroke spelt, behind a name: "stiffness_kN_per_mm"."""
 WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
 """A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
+SQUARED = re.compile(r"(/ ?s)2$")
+"""The end of an acceleration's unit whose exponent has lost its sign."""
 NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Conversion:
-    """How a number in another unit becomes one in ours: factor * theirs + offset."""
+    """How a number in another unit becomes one in ours: factor * theirs + offset, then integrated so many times."""
 
     factor: float = 1.0
     offset: float = 0.0
+    integrated: int = 0
 
     def words(self) -> str:
         """Give it as a person writes it."""
-        return f"x {self.factor:.6g}" + (f" {self.offset:+.6g}" if self.offset else "")
+        shift = f" {self.offset:+.6g}" if self.offset else ""
+        return f"x {self.factor:.6g}{shift}{('', ', integrated', ', integrated twice')[self.integrated]}"
 
 
 def unit_in_name(name: str) -> tuple[str, str]:
@@ -168,6 +175,14 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
             f"{lever if _known(unit) else ''}"
         )
     return found
+
+
+def conversion_of_rate(unit: str) -> Conversion | None:
+    """Give what turns a speed or an acceleration in a unit into mm; None for a unit of neither."""
+    for times, (quantity, ours) in enumerate(RATES.items(), 1):
+        if found := _conversion_to(ours, unit, quantity):
+            return Conversion(found.factor, integrated=times)
+    return None
 
 
 @cache
@@ -243,7 +258,7 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
 
 def _spelled(text: str) -> str:
     """Give a unit as pint spells it: "deg_F" and "Deg F" are degF, "Newtons" are newtons."""
-    plain = text.casefold() if WORD.fullmatch(text) else text
+    plain = text.casefold() if WORD.fullmatch(text) else SQUARED.sub(r"\1**2", text)
     return SPELLINGS.get(text.casefold().replace("_", " "), plain)
 
 

@@ -121,7 +121,7 @@ def test_join_keeps_what_isnt_known(tmp_path):
 
 
 def test_another_word_is_refused(tmp_path):
-    with pytest.raises(UserError, match="column 'mean_force': got 'no'; .*expected one of known, unknown, or a blank"):
+    with pytest.raises(UserError, match=r"column 'mean_force': got 'no'; .*expected one of known, unknown, or a blank"):
         read_campaign(write_runs(tmp_path / "tests", all_of, cell="no"))
 
 

@@ -12,7 +12,14 @@ from pipeclamp_identification.importing.channels.naming import SEGMENT, conditio
 from pipeclamp_identification.importing.channels.questions import NONE, Choice, Question, find
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.unusable import UnusableFileError
-from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name
+from pipeclamp_identification.units.stated import (
+    OURS,
+    QUANTITY_OF,
+    Conversion,
+    conversion,
+    conversion_of_rate,
+    unit_in_name,
+)
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 from pipeclamp_models.base.said import few_of
 from pipeclamp_models.base.shell import quoted
@@ -259,16 +266,16 @@ def _stated_column(table: RawTable, stated: Stated) -> Column:
                 f"--columns: no unit is stated of {channel.heading!r}, neither in the file nor in the option; expected "
                 f"for example '{stated.ours}={channel.heading} [{unit_shown(OURS[stated.ours])}]'"
             )
+        rate = conversion_of_rate(counts) if stated.ours == "displacement" else None
         try:
-            found = conversion(stated.ours, counts)
+            found = rate or conversion(stated.ours, counts)
         except UserError as error:
             raise UserError(f"--columns, {stated.ours}={stated.channel}: {error}") from error
     else:
         found = Conversion()
     sign = -1.0 if stated.reversed else 1.0
-    return Column(
-        stated.ours, channel.heading, counts, Conversion(sign * found.factor, sign * found.offset), True, overrides
-    )
+    turned = replace(found, factor=sign * found.factor, offset=sign * found.offset)
+    return Column(stated.ours, channel.heading, counts, turned, True, overrides)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from pipeclamp_identification.units.stated import (
     QUANTITY_OF,
     Quantity,
     conversion,
+    conversion_of_rate,
     quantity_of_unit,
     unit_in_name,
 )
@@ -57,7 +58,7 @@ DATES = ("date", "datum")
 OTHERS = frozenset(
     (
         *("command", "cmd", "setpoint", "soll", "sollwert", "target", "demand", "reference", "fuehrung"),
-        *("error", "abweichung", "velocity", "speed", "geschwindigkeit", "rate", "accel", "acceleration"),
+        *("error", "abweichung", "velocity", "vel", "speed", "geschwindigkeit", "rate", "acc", "accel", "acceleration"),
         *("beschleunigung", "peak", "valley", "max", "maximum", "min", "minimum", "mean", "mittelwert", "strain"),
         *("dehnung", "stress", "spannung", "pressure", "druck", "limit", "date", "datum", "bewegung", "energy"),
     )
@@ -152,13 +153,10 @@ def is_extreme(quantity: Quantity, channel: Channel) -> bool:
     return fits_unit(quantity, unit_of(channel)) and not EXTREMES.isdisjoint(words) and _is_named(quantity, words, True)
 
 
-def is_speed(channel: Channel) -> bool:
-    """Tell whether a channel is in a unit of speed."""
-    try:
-        conversion("speed", unit_of(channel), "mm/s")
-    except UserError:
-        return False
-    return True
+def is_rate(channel: Channel) -> bool:
+    """Tell whether a channel is in a unit of speed or acceleration; g is one where it isn't called a force."""
+    unit = unit_of(channel)
+    return bool(unit) and conversion_of_rate(unit) is not None and not _is_named("force", words_of(channel.name), True)
 
 
 def is_frequency(channel: Channel) -> bool:

@@ -14,8 +14,8 @@ from pipeclamp_identification.importing.channels.naming import (
     is_extreme,
     is_frequency,
     is_of_another,
+    is_rate,
     is_something_else,
-    is_speed,
     rank,
     serves,
     unit_of,
@@ -156,11 +156,17 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel], s
     if len(reached) > 1:
         why = f"{reached[0].heading!r} is what a cycle reached, no sample of the {quantity}: take the file of samples"
         return Question(quantity, why, (), is_missing=True)
-    speed = next((one for one in channels if is_speed(one)), None) if quantity == "displacement" else None
     likely = _likely(quantity, channels)
-    if speed:
-        likely = [one for one in likely if not quantity_of_unit(unit_of(one)) and one is not speed]
-    why = _why_missing(quantity, table, speed, stated)
+    rates = [one for one in channels if is_rate(one)] if quantity == "displacement" else []
+    integrable = rates if any(rank("time", one) >= NAMED for one in table.channels) else []
+    if rates:
+        likely = [*integrable, *(one for one in likely if not quantity_of_unit(unit_of(one)) and one not in rates)]
+    if integrable:
+        why = f"no channel is called a displacement, but {integrable[0].heading!r} can be integrated to one"
+    elif rates:
+        why = f"{rates[0].heading!r} is a speed, and forces over speeds are no loops: take the records"
+    else:
+        why = _why_missing(quantity, table, stated)
     return Question(quantity, why, _choices(quantity, likely), is_missing=True)
 
 
@@ -191,20 +197,17 @@ def _likely_motions(channels: Sequence[Channel]) -> list[Channel]:
     return sorted(by_unit, key=lambda one: rates[one.heading])
 
 
-def _why_missing(quantity: Quantity, table: RawTable, speed: Channel | None, stated: Mapping[str, str]) -> str:
+def _why_missing(quantity: Quantity, table: RawTable, stated: Mapping[str, str]) -> str:
     """Say why no channel is a quantity.
 
     Args:
         quantity: the quantity.
         table: as a file holds it.
-        speed: a channel that is one, where the displacement is missing.
         stated: what the user says that channels are, by heading.
     """
     texts = [column for column in table.unread if column.is_whole and rank(quantity, column.channel)]
     if texts:
         return f"{texts[-1].words()}, so there is no {quantity}: export it as numbers"
-    if speed:
-        return f"{speed.heading!r} is a speed, and forces over speeds are no loops: take the records"
     other = next((one.heading for one in table.channels if one.heading in stated and rank(quantity, one)), None)
     why = f"no {'other ' if other else ''}channel is called a {quantity} or is in a unit of one"
     return why if other is None else f"--columns states {other!r} as {stated[other]}, and {why}"
@@ -250,7 +253,7 @@ def _with_unit(quantity: Quantity, channel: Channel) -> str:
     What is measured in volts or parts of a hundred must be said what one of them is: [1 N] leaves the number to change.
     """
     unit, ours = unit_of(channel), unit_shown(OURS[quantity])
-    if fits_unit(quantity, unit):
+    if fits_unit(quantity, unit) or (quantity == "displacement" and is_rate(channel)):
         return channel.heading
     scaled = unit not in NO_UNIT and is_unit(unit) and not quantity_of_unit(unit)
     return f"{channel.heading} [{'1 ' if scaled else ''}{ours}]"

@@ -21,6 +21,7 @@ from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.records.drafts import CutPart, Draft, TakenPart
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
+from pipeclamp_identification.importing.samples.integrated import integrated
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, unsteady
 from pipeclamp_identification.importing.samples.untimed import cycles_of, laid_out
@@ -63,6 +64,11 @@ class Piece:
     format: Format
     stretches: int
 
+    @property
+    def integrations(self) -> int:
+        """How many times its displacement is integrated from what its channel holds."""
+        return next(one.conversion.integrated for one in self.columns if one.ours == "displacement")
+
 
 def take_piece(piece: Piece) -> TakenPart | UserError:
     """Take a piece of a table; a mistake of the user's is given, not raised, so that the first one is told first."""
@@ -97,6 +103,8 @@ def _taken_piece(piece: Piece) -> TakenPart:
         CutPart(_samples(piece.table, trace, part), _span(trace, part), part.why)
         for part in sorted(left, key=lambda part: part.first)
     )
+    if piece.integrations:  # no picture in mm of what isn't any
+        return TakenPart(tuple(drafts), len(found.runs), cut, np.empty(0), np.empty((0, 2)))
     edges = np.unique(np.linspace(0, len(y), min(piece.stretches, len(y)) + 1).astype(np.intp))
     thinned = np.stack([np.minimum.reduceat(y, edges[:-1]), np.maximum.reduceat(y, edges[:-1])], axis=1)
     return TakenPart(tuple(drafts), len(found.runs), cut, trace.record.time_s[edges[:-1]], thinned)
@@ -118,10 +126,9 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
     repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
+    even = integrated(repaired.record, piece.integrations) if piece.integrations else repaired.record
     # what isn't laid out has the time of its samples, in which cycles mean nothing
-    usable = (
-        _usable(repaired.record, piece.timed) if piece.timed or repaired.done else _free(clean.record, HARDLY_TURNS)
-    )
+    usable = _usable(even, piece.timed) if piece.timed or repaired.done else _free(clean.record, HARDLY_TURNS)
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C

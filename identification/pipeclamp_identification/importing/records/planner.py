@@ -150,6 +150,12 @@ class _Planner:
                     f"{column.heading!r} is taken in {column.unit}, as --columns states, though the file says "
                     f"{column.overrides}"
                 )
+            if column.conversion.integrated:
+                times = "twice" if column.conversion.integrated > 1 else "once"
+                self.note(
+                    f"the displacement is {column.heading!r}, integrated {times}: its mean isn't known, and what moves "
+                    "slower than the test is taken off"
+                )
         time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
         if self._options.rate and time:
             self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")

@@ -169,6 +169,11 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     del time, own
     label = label_column(table, columns)
     timed_here = is_timed(columns, way.timed)
+    if not timed_here and (rate := next((one for one in columns if one.conversion.integrated), None)):
+        raise UserError(
+            f"{where}, channel {rate.heading!r}: a displacement can't be integrated where time was not measured; "
+            "expected samples over time, or a channel of the displacement"
+        )
     pieces = (rows_apart if timed_here else joined_rows)(table, channels, columns, begins)
     for number, ((first, last), rows) in enumerate(zip(itertools.pairwise(begins), pieces, strict=True)):
         yield Piece(
@@ -193,6 +198,7 @@ def _imported(column: Column) -> ImportedColumn:
         unit=column.unit,
         factor=column.conversion.factor,
         offset=column.conversion.offset,
+        integrated=column.conversion.integrated,
         stated=column.stated,
     )
 
