@@ -321,6 +321,11 @@ def _one_blank(text: str) -> str:
     return " ".join(text.split())
 
 
+def channels_called(table: RawTable, name: str) -> Sequence[Channel]:
+    """Give the channels that a name alone tells, with or without the unit that the file states."""
+    return _called(table, _one_blank(name)).channels
+
+
 def _called(table: RawTable, name: str) -> _Called:
     """Give the channels whose heading a name is, else those whose name it is, with a unit in it or without."""
     exact = [channel for channel in table.channels if _one_blank(channel.heading) == name]

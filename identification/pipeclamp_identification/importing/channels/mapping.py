@@ -12,6 +12,7 @@ from pipeclamp_identification.importing.channels.columns import (
     map_columns,
     refuse_open_questions,
 )
+from pipeclamp_identification.importing.channels.combined import with_combined
 from pipeclamp_identification.importing.channels.naming import EACH_CYCLE, SEGMENT, rank
 from pipeclamp_identification.importing.channels.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.channels.traces import with_cycles_numbered
@@ -64,7 +65,7 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     numbered = any(one.ours == SEGMENT and one.channel.casefold() == EACH_CYCLE for one in stated)
     if numbered:
         stated = [one for one in stated if one.ours != SEGMENT]
-    tables = _brought_together(records, stated)
+    tables = _brought_together(tuple(with_combined(table, stated) for table in records), stated)
     found = [(table, _mapped(source, table, stated, rate, several=len(tables) > 1)) for table in tables]
     complete = any(mapped and not mapped.questions for _, mapped in found)
     used = [(table, mapped) for table, mapped in found if mapped and not (complete and _lacks_something(mapped))]
