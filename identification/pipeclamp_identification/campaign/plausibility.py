@@ -32,6 +32,9 @@ JUMP_FACTOR = 30.0
 MISSING_MEAN_SHARE = 0.25
 """Of the second harmonic, below which a mean force is missing: half of the least that comes with it, for a record that
 begins at rest may keep some of what its sensor has lost."""
+CLEARLY_UNLIKE, STANDARD_ERRORS_OF_A_MEAN = 10.0, 2.0
+"""Standard errors of the second harmonic by which it surely is one, and within which the mean force may be none: so a
+mean of half the second harmonic is told from none."""
 FEWEST_UNLIKE_ENDS = 4
 """Runs in which it must be so: a constant load may make up for the mean force of tests that are alike."""
 STATED_APART = 0.2
@@ -68,7 +71,7 @@ class EvenForce:
     Attributes:
         mean: over whole cycles.
         second: its second harmonic in the phase of the displacement, but for what the displacement's own makes.
-        standard_error: of the second, at most.
+        standard_error: of the second, the scatter from cycle to cycle and the drive's distortion counted.
     """
 
     mean: float
@@ -124,13 +127,14 @@ def even_force_of(record: Record, cycles: Cycles, shown: Fundamental) -> EvenFor
         shown: its fundamental.
     """
     y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
-    whole = cycles.bounds[[0, -1]] - cycles.bounds[0]
-    Y, F = (one[0] for one in cycle_harmonics(cycles.phase(record), whole, [y, force], 2))
-    # the drive's distortion: the stiffness at twice the frequency is another one
-    own = shown.stiffness * Y[2]
-    second = (F[2] - own) * np.conj(Y[1] / abs(Y[1])) ** 2
-    error = math.hypot(shown.standard_error * shown.amplitude_mm, abs(own))
-    return EvenForce(float(F[0].real), float(second.real), error)
+    Y, F = cycle_harmonics(cycles.phase(record), cycles.bounds - cycles.bounds[0], [y, force], 2)
+    own = shown.stiffness * Y[:, 2]
+    second = ((F[:, 2] - own) * np.conj(Y[:, 1] / np.abs(Y[:, 1])) ** 2).real
+    single = shown.standard_error * shown.amplitude_mm
+    scatter = float(np.std(second, ddof=1)) / math.sqrt(cycles.count) if cycles.count > 1 else single
+    # the stiffness at twice the frequency is another one
+    error = math.hypot(scatter, abs(np.mean(own)))
+    return EvenForce(float(np.mean(F[:, 0].real)), float(np.mean(second)), error)
 
 
 def lack_means(even: Sequence[EvenForce]) -> bool:
@@ -143,12 +147,17 @@ def lack_means(even: Sequence[EvenForce]) -> bool:
     Args:
         even: of all runs.
     """
-    sure = [one for one in even if abs(one.second) > BEYOND_DOUBT * one.standard_error]
-    if len(sure) < FEWEST_UNLIKE_ENDS:
+    # a run's scatter from few cycles is rough: it counts as that of the run in the middle at least
+    usual = float(np.median([one.standard_error for one in even])) if even else 0.0
+    doubts = [max(one.standard_error, usual) for one in even]
+    sure = [abs(one.second) > CLEARLY_UNLIKE * doubt for one, doubt in zip(even, doubts, strict=True)]
+    if sum(sure) < FEWEST_UNLIKE_ENDS:
         return False
-    most = max(abs(one.second) for one in sure)
-    without = all(abs(one.mean) <= MISSING_MEAN_SHARE * abs(one.second) for one in sure)
-    return without and all(abs(one.mean) <= MISSING_MEAN_SHARE * most for one in even)
+    most = max(abs(one.second) for one in even)
+    return all(
+        abs(one.mean) <= MISSING_MEAN_SHARE * (abs(one.second) if clear else most) + STANDARD_ERRORS_OF_A_MEAN * doubt
+        for one, doubt, clear in zip(even, doubts, sure, strict=True)
+    )
 
 
 def implausible(shown: Mapping[str, Fundamental]) -> dict[str, str]:
