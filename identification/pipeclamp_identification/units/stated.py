@@ -102,7 +102,12 @@ class Conversion:
     def words(self) -> str:
         """Give it as a person writes it."""
         shift = f" {self.offset:+.6g}" if self.offset else ""
-        return f"x {self.factor:.6g}{shift}{('', ', integrated', ', integrated twice')[self.integrated]}"
+        return ", ".join(filter(None, [f"x {self.factor:.6g}{shift}", self.integrated_words]))
+
+    @property
+    def integrated_words(self) -> str:
+        """How often it is integrated; "" where it isn't."""
+        return ("", "integrated", "integrated twice")[self.integrated]
 
 
 def unit_in_name(name: str) -> tuple[str, str]:

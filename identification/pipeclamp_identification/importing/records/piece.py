@@ -25,6 +25,7 @@ from pipeclamp_identification.importing.samples.integrated import integrated
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, unsteady
 from pipeclamp_identification.importing.samples.untimed import cycles_of, laid_out
+from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
@@ -65,9 +66,9 @@ class Piece:
     stretches: int
 
     @property
-    def integrations(self) -> int:
-        """How many times its displacement is integrated from what its channel holds."""
-        return next(one.conversion.integrated for one in self.columns if one.ours == "displacement")
+    def of_displacement(self) -> Conversion:
+        """What turns its channel of the displacement into mm."""
+        return next(one.conversion for one in self.columns if one.ours == "displacement")
 
 
 def take_piece(piece: Piece) -> TakenPart | UserError:
@@ -103,7 +104,7 @@ def _taken_piece(piece: Piece) -> TakenPart:
         CutPart(_samples(piece.table, trace, part), _span(trace, part), part.why)
         for part in sorted(left, key=lambda part: part.first)
     )
-    if piece.integrations:  # no picture in mm of what isn't any
+    if piece.of_displacement.integrated:  # no picture in mm of what isn't any
         return TakenPart(tuple(drafts), len(found.runs), cut, np.empty(0), np.empty((0, 2)))
     edges = np.unique(np.linspace(0, len(y), min(piece.stretches, len(y)) + 1).astype(np.intp))
     thinned = np.stack([np.minimum.reduceat(y, edges[:-1]), np.maximum.reduceat(y, edges[:-1])], axis=1)
@@ -126,7 +127,8 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
     repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
-    even = integrated(repaired.record, piece.integrations) if piece.integrations else repaired.record
+    times = piece.of_displacement.integrated
+    even = integrated(repaired.record, times) if times else repaired.record
     # what isn't laid out has the time of its samples, in which cycles mean nothing
     usable = _usable(even, piece.timed) if piece.timed or repaired.done else _free(clean.record, HARDLY_TURNS)
     record, seen, words = usable
@@ -143,7 +145,9 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
         record=path,
         seen=seen,
         done=(
-            *(*after, *trace.done, *whole.done, *slow.done, *clean.done, *repaired.done, *words),
+            *(*after, *trace.done, *whole.done, *slow.done, *clean.done, *repaired.done),
+            *filter(None, [piece.of_displacement.integrated_words]),
+            *words,
             *(moved for name, values in further.items() if (moved := moved_words(name, values))),
         ),
         further={name: _mean(values) for name, values in further.items()},

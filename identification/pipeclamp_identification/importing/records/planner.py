@@ -151,10 +151,9 @@ class _Planner:
                     f"{column.overrides}"
                 )
             if column.conversion.integrated:
-                times = "twice" if column.conversion.integrated > 1 else "once"
                 self.note(
-                    f"the displacement is {column.heading!r}, integrated {times}: its mean isn't known, and what moves "
-                    "slower than the test is taken off"
+                    f"the displacement is {column.heading!r}, {column.conversion.integrated_words}: its mean isn't known, "
+                    "and what moves slower than the test is taken off"
                 )
         time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
         if self._options.rate and time:
