@@ -152,8 +152,8 @@ class _Planner:
                 )
             if how := column.conversion.integrated_words:
                 self.note(
-                    f"the displacement is {column.heading!r}, {how}: its mean isn't known, and what moves slower than the "
-                    "test is taken off"
+                    f"the displacement is {column.heading!r}, {how}: its mean isn't known, and what moves slower than "
+                    "the test is taken off"
                 )
         time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
         if self._options.rate and time:
