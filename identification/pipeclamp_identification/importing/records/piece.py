@@ -22,7 +22,7 @@ from pipeclamp_identification.importing.records.drafts import CutPart, Draft, Ta
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, unsteady
+from pipeclamp_identification.importing.samples.split import Cut, SampleRange, irregular, levels, unsteady
 from pipeclamp_identification.importing.samples.untimed import cycles_of, laid_out
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -30,6 +30,8 @@ from pipeclamp_models.base.tables import pl
 
 BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
+STATED_FREE = "as --conditions states"
+"""Why a record of which the user says so is no sine."""
 HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle, or one way up and back"
 """Why a record whose time wasn't measured is no sine."""
 
@@ -47,6 +49,7 @@ class Piece:
         label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
         timed: whether its time was measured.
+        free: whether its motion is stated to be free.
         stretches: that a picture of it is thinned out to.
     """
 
@@ -59,6 +62,7 @@ class Piece:
     cycles_before: float
     places: Array | None
     label: str
+    free: bool
     record: Path
     format: Format
     stretches: int
@@ -82,7 +86,7 @@ def _taken_piece(piece: Piece) -> TakenPart:
         rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1
         nowhere = CutPart(rows, (0.0, 0.0), "no samples of displacement")
         return TakenPart((), 0, (nowhere,), np.empty(0), np.empty((0, 2)))
-    found = levels(trace.record.time_s, y)
+    found = Cut((SampleRange(0, len(y)),), ()) if piece.free else levels(trace.record.time_s, y)
     drafts: list[Draft] = []
     left = list(found.left)
     for part in found.runs:
@@ -118,10 +122,12 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     slow = at_own_rate(whole.record)
     clean = without_spikes(slow.record)
     repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
-    # what isn't laid out has the time of its samples, in which cycles mean nothing
-    usable = (
-        _usable(repaired.record, piece.timed) if piece.timed or repaired.done else _free(clean.record, HARDLY_TURNS)
-    )
+    if piece.free:
+        usable = _free(repaired.record, STATED_FREE)
+    elif piece.timed or repaired.done:
+        usable = _usable(repaired.record, piece.timed)
+    else:  # what isn't laid out has the time of its samples, in which cycles mean nothing
+        usable = _free(clean.record, HARDLY_TURNS)
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
