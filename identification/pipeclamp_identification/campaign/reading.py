@@ -34,7 +34,7 @@ class Run:
     """One usable run: the motion that was set (None where not known), its samples and its steady cycles.
 
     Where a zero drifted, the drift is taken off the samples, but nobody knows where it stood: `mean_known` is False,
-    and the mean force says nothing.
+    and the mean force says nothing. `drifting` is the record with that drift; None where there was none.
     """
 
     name: str
@@ -46,6 +46,7 @@ class Run:
     mean_known: bool = True
     file: str = ""
     """Its record, relative to the campaign's folder."""
+    drifting: Record | None = None
 
 
 @dataclass(frozen=True)
@@ -177,6 +178,7 @@ def _judged(run: Run, judged: JudgedRuns) -> Run:
         run,
         setup=run.setup.measured_at(seen.temperature_C),
         record=judged.sensors.repaired(run.name, run.record, seen),
+        drifting=judged.sensors.shifted(run.name, run.record) if judged.sensors.drifts.get(run.name) else None,
         mean_known=run.name not in judged.sensors.of_unknown_mean,
         amplitude_mm=amplitude,
         frequency_Hz=frequency,

@@ -107,6 +107,8 @@ def _digest(record: Record) -> str:
 def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
     """Give the runs of several campaigns of one clamp, one after the other; a name that is taken gets a number.
 
+    A zero that drifts inside a record still does: who reads it is told, and its mean force counts for nothing.
+
     Raises:
         UserError: a further condition isn't known in all of them, or a record is there twice.
     """
@@ -129,7 +131,8 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
         every: tuple[Run | FreeRun, ...] = (*campaign.runs, *campaign.free)
         for run in every:
             own = f"run {run.name!r} of {campaign.name}"
-            if (other := whose.setdefault(_digest(run.record), own)) is not own:
+            record = (run.drifting if isinstance(run, Run) else None) or run.record
+            if (other := whose.setdefault(_digest(record), own)) is not own:
                 raise UserError(
                     f"join: {own} has the same record as {other}; one measurement counts once, or the law would seem "
                     "better known than it is: leave one out"
@@ -149,4 +152,4 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 **{column: None if math.isnan(value := run.setup.conditions[column]) else value for column in columns},
                 "first_cycle": run.setup.first_cycle,
             }
-            yield WrittenRun(row, run.record)
+            yield WrittenRun(row, record)
