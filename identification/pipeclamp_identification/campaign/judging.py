@@ -91,6 +91,7 @@ def judge_runs(
     kept = {run: one for run, one in sines.items() if run not in unusable}
     settings, contradicted = _settings(kept)
     fundamentals = {run: one.shown for run, (_, one) in kept.items()}
+    every = fundamentals | {run: one.shown for run, one in moving.items()}
     failures = [(one.run, one.failure) for one in left_out if one.failure and one.run not in sensors.failed]
     return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
@@ -106,7 +107,7 @@ def judge_runs(
             *sensors.remarks,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
-            *filter(None, [makes_energy(fundamentals), falls_with_displacement(fundamentals)]),
+            *filter(None, [makes_energy(every), falls_with_displacement(fundamentals)]),
             *_moving_from_the_start(moving),
         ),
     )
