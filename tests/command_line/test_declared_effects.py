@@ -22,12 +22,16 @@ PLAN = ("--amplitudes", "0.3,0.6,1", "--frequencies", "1,4", "--temperatures", "
 Run = Callable[..., object]
 
 
+def declaration(name: str) -> str:
+    """Give a declaration of the page."""
+    return next(text for text in re.findall(r"```toml\n(.*?)```", PAGE, re.S) if text.startswith(f'id = "{name}"'))
+
+
 @pytest.fixture(scope="module")
 def folder(pipeclamp: Run, law: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page's declaration, a campaign of a clamp that has this effect, and a law without it."""
     folder = tmp_path_factory.mktemp("declared")
-    text = next(text for text in re.findall(r"```toml\n(.*?)```", PAGE, re.S) if text.startswith("id ="))
-    (folder / "notch.toml").write_text(text, encoding="utf-8")
+    (folder / "notch.toml").write_text(declaration("notch"), encoding="utf-8")
     values = ("--set", "k_b=400,y_b=0.45")
     pipeclamp("rig", law, "-o", "notched", "--effects", "notch.toml", *values, *PLAN, cwd=folder)
     pipeclamp("identify", "notched", "-o", "law.json", "--reproducible", cwd=folder)
@@ -135,3 +139,21 @@ def test_an_effect_without_a_value_where_the_clamp_moves_is_told(refused: Callab
     ):
         assert "effect 'notch': has no finite force on these tests" in refused(*words)
     assert not (folder / "no.json").exists()
+
+
+def test_a_constant_force_is_left_out_of_the_fmu_with_a_word_unless_it_is_declared_the_clamps(
+    pipeclamp: Run, law: Path, tmp_path: Path
+):
+    """The force of a preload or a gas had gone without a word: the catalogue's `offset` is the rig's."""
+    (tmp_path / "preload.toml").write_text(declaration("preload"), encoding="utf-8")
+    pipeclamp("rig", law, "-o", "held", "--effects", "preload.toml", "--set", "F_pre=150", *PLAN, cwd=tmp_path)
+    told = {}
+    for effect in ("offset", "preload.toml"):
+        fitted, fmu = tmp_path / f"{Path(effect).stem}.json", tmp_path / f"{Path(effect).stem}.fmu"
+        pipeclamp("identify", "held", "-o", fitted, "--effects", effect, cwd=tmp_path)
+        told[effect] = " ".join(
+            pipeclamp("build-fmu", fitted, "-o", fmu, "--kind", "python", cwd=tmp_path).stderr.split()
+        )
+    assert "not in the FMU: offset (F_o = 150 N)" in told["offset"] and "not in the FMU" not in told["preload.toml"]
+    force = fmpy.simulate_fmu(str(fmu), stop_time=0.01, output=["flange.f"])["flange.f"]
+    assert force == pytest.approx(150.0, abs=1.0)

@@ -116,6 +116,14 @@ def ends_words(band: Band, unit: str, per_cent: float) -> str:
     return f"{value} {unit} ({per_cent:g}%: {low} to {high})"
 
 
+def beside_words(band: Band, what: str = "the number") -> str:
+    """Say why a number lies outside of its own band, as both are told; "" where it doesn't."""
+    value, low, high = map(float, figures(band))
+    if low <= value <= high:
+        return ""
+    return f"; {what} itself lies outside: tests near that motion lie beside the law, and the band is where they lie"
+
+
 def origin_words(name: str, band: Band) -> list[str]:
     """Say what a band comes from, and what would narrow it."""
     named = {str(kind): words for kind, words in KIND_WORDS.items()}

@@ -19,7 +19,7 @@ from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile, write_law
 from pipeclamp_models.law.range import as_in_range, conditions_beyond, conditions_inside
-from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
+from pipeclamp_system.bands.band import Band, band_of, beside_words, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown_of_clamps
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
 from pipeclamp_system.cosim.building import TO_RUN_IN_DOUBT, law_in
@@ -76,7 +76,7 @@ class RunBands:
         """Say how sure the run is."""
         what = "amplitude over the last fifth" if self.result.settles else "largest"
         lines = [
-            f"{one.name}: {what} {ends_words(one.band, one.unit, self.per_cent)}"
+            f"{one.name}: {what} {ends_words(one.band, one.unit, self.per_cent)}{beside_words(one.band)}"
             + (f"; {one.bent:.0%} of its variance isn't in proportion to what isn't known" if one.bent > BENDS else "")
             for one in self.values
         ]

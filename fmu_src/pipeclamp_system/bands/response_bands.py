@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.bands.band import Band, ends_words, origin_words, steps_of
+from pipeclamp_system.bands.band import Band, beside_words, ends_words, origin_words, steps_of
 from pipeclamp_system.response.curves import FrequencyResponse, label
 
 
@@ -98,7 +98,7 @@ class ResponseBands:
         where = "" if peak.inside else ", at the end of the range of frequencies"
         words = (
             f"peak at {point} {ends_words(peak.amplitude, 'mm', self.per_cent)} at "
-            f"{ends_words(peak.frequency, 'Hz', self.per_cent)}{where}"
+            f"{ends_words(peak.frequency, 'Hz', self.per_cent)}{where}{beside_words(peak.amplitude, 'the peak in mm')}"
         )
         if point in self.limits:
             chance = peak.amplitude.beyond(self.limits[point], steps_of(self.per_cent))

@@ -117,6 +117,7 @@ def build_fmu(
     ] = False,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
+    from pipeclamp.show.law import of_rig_words
     from pipeclamp_fmu.build import build_clamp, build_native_clamp, passivity
     from pipeclamp_fmu.contents.clamp_model import ClampStart
     from pipeclamp_fmu.contents.clamp_of_law import clamp_model
@@ -151,6 +152,8 @@ def build_fmu(
         note(
             f"the tests of law {file.name} moved about {about:.3g} mm, and the FMU's displacement counts as theirs did"
         )
+    if words := of_rig_words(file):
+        note(words)
     put(f"law {file.name} {held}")
     put(f"{output}: {made}")
     say([after_clamp_fmu(str(output)).words()])

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.further_test.outlook import RUNS_OF_A_TE
 from pipeclamp_identification.planning.band_plan import BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
 from pipeclamp_identification.planning.narrowing_search import WORTH_SHARE
-from pipeclamp_system.bands.band import NAMED_SHARE, Band, ends_words, figures, origin_words
+from pipeclamp_system.bands.band import NAMED_SHARE, Band, beside_words, ends_words, figures, origin_words
 
 
 def width(band: Band) -> float:
@@ -66,7 +66,8 @@ def beyond_words(one: Map) -> str:
 def band_plan_words(plan: BandPlan, drive: Path | None = None) -> list[str]:
     """Say which test narrows the band most, what stays, and what was reckoned with."""
     amplitude = plan.before.amplitude
-    lines = [f"Peak at {plan.point}, {plan.curve}: {ends_words(amplitude, 'mm', plan.per_cent)}."]
+    ends = ends_words(amplitude, "mm", plan.per_cent)
+    lines = [f"Peak at {plan.point}, {plan.curve}: {ends}{beside_words(amplitude, 'the peak')}."]
     lines += [words for one in plan.maps if (words := beyond_words(one))]
     at_best = f"{plan.floor.low:.4g} to {plan.floor.high:.4g} mm"
     if plan.tests:

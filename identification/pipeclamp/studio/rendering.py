@@ -12,6 +12,7 @@ from pipeclamp.api.tests import Tests
 from pipeclamp.pages.page import drawn_of, templates_of
 from pipeclamp.pages.sweeps import of_energy, sweep_sections
 from pipeclamp.pages.waterfall import USED, RungBars, waterfall_picture
+from pipeclamp.show.law import of_rig_words
 from pipeclamp.show.metrics import MEANINGS_STATED, metric_campaign_words, metric_table
 from pipeclamp.show.table import cell
 from pipeclamp.studio import commands, overview
@@ -71,6 +72,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         discovery=discovery_in(project, name, project.law(name)) if name else None,
         bases=commands.BASES,
         steps=project.steps,
+        of_rig=of_rig_words(project.law(name)) if name else "",
         parent=project.parent(name) if name else None,
         folder=project.folder,
         temperatures=temperatures_of(bench.loops),

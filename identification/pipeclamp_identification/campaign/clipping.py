@@ -59,7 +59,7 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
     for channel, name in CHANNEL_COLUMNS.items():
         samples = getattr(record, name)[cycles.steady]
         per_cycle = len(samples) / cycles.count
-        begin, steps = _longest_row(samples[1:] == samples[:-1])
+        begin, steps = longest_row(samples[1:] == samples[:-1])
         still, value = steps + 1, float(samples[begin])
         if still > LONGER_THAN_FRICTION * per_cycle:
             raise SensorFailure(
@@ -70,7 +70,7 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
             at = samples == extreme
             if np.count_nonzero(at) < FEWEST_ON_A_PLATEAU:
                 continue
-            first, alike = _longest_row(at)
+            first, alike = longest_row(at)
             flat = alike >= FEWEST_ON_A_PLATEAU and alike > 2 + FLATTER_THAN_SINE * per_cycle * _quantised_share(
                 samples
             )
@@ -100,7 +100,7 @@ def stuck_beside(record: Record, cycles: Cycles) -> StuckInPart | None:
         time = record.time_s[part]
         for (channel, name), (_, other) in zip(names, names[::-1], strict=True):
             samples = getattr(record, name)[part]
-            begin, steps = _longest_row(samples[1:] == samples[:-1])
+            begin, steps = longest_row(samples[1:] == samples[:-1])
             still = slice(begin, begin + steps + 1)
             if steps == 0 or time[still][-1] - time[still][0] < period:
                 continue
@@ -185,7 +185,7 @@ def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
     return found
 
 
-def _longest_row(alike: BoolArray) -> tuple[int, int]:
+def longest_row(alike: BoolArray) -> tuple[int, int]:
     """Give where the longest row of True begins, and how long it is: 0 where nothing is True."""
     places = np.flatnonzero(alike)
     if len(places) == 0:

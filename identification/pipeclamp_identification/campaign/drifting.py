@@ -61,6 +61,9 @@ ALIKE_SHARE = 0.1
 cycle bends the loop a little."""
 MEAN_OF_LOOP = 0.5
 """A loop that changes takes its mean along, by so much of its change where its halves are as unequal as clamps are."""
+MEAN_OF_SPEED = 2.0
+"""A motion that becomes faster takes the loop's mean along, by so much of the frequency's change at most: dampers that
+differ by direction do, with the square of the velocity where a fluid is throttled."""
 SAME_WAY, FEWEST_ALIKE = 0.9, 6
 """Runs drift together where this share of so many at least drifts one way."""
 FEWEST_CYCLES_THAT_DRIFT = 3
@@ -145,6 +148,8 @@ class InRecord:
     """In-phase force over the force's amplitude: what of it follows the mean position."""
     loop: float
     """By how much the loop itself changes at least, as a share."""
+    frequency: float
+    """By how much the motion's frequency changes at least, as a share: little, unless it is a piece of a sweep."""
     goes_on: tuple[bool, bool]
     """Whether the drifts of mean force and mean displacement go on."""
 
@@ -194,6 +199,8 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
                     k.imag / (abs(mean.imag) or 1.0),
                     np.abs(y[:, 1]) / A,
                     np.abs(force[:, 1]) / F,
+                    # the fundamental's phase, about the frequency of all cycles, falls behind or runs ahead
+                    1.0 + np.gradient(np.unwrap(np.angle(y[:, 1]))) / (2 * np.pi),
                 ]
             )
         )
@@ -202,7 +209,7 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
     for row, run in enumerate(long):
         usual = complex(np.mean(run.by_cycle.stiffness))
         in_phase, in_quadrature = usual.real / abs(usual), usual.imag / abs(usual)
-        mean_force, mean_displacement, elastic, damping, amplitude, size = changes[row]
+        mean_force, mean_displacement, elastic, damping, amplitude, size, frequency = changes[row]
         found[run.name] = InRecord(
             mean_force=mean_force,
             mean_displacement=mean_displacement,
@@ -212,6 +219,7 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
             force=size,
             stiffness_share=in_phase,
             loop=math.hypot(in_phase * elastic.certain, in_quadrature * damping.certain),
+            frequency=frequency.certain,
             goes_on=(_goes_on(series[row][0]), _goes_on(series[row][1])),
         )
     return found
@@ -264,7 +272,8 @@ def _force_zeros(found: Mapping[str, InRecord]) -> FoundChanges:
     for run, one in found.items():
         followed = one.stiffness_share * one.mean_displacement.size
         size = abs(one.mean_force.size)
-        alone = abs(one.mean_force.size - followed) > BY_ITSELF_SHARE * size and size > MEAN_OF_LOOP * one.loop
+        of_motion = max(MEAN_OF_LOOP * one.loop, MEAN_OF_SPEED * one.frequency)
+        alone = abs(one.mean_force.size - followed) > BY_ITSELF_SHARE * size and size > of_motion
         if alone and (every or (one.goes_on[0] and one.mean_force.is_real(len(found), ZERO_SHARE))):
             drifts[run] = one.mean_force
     return drifts

@@ -7,18 +7,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, FEWEST_ON_A_PLATEAU, FLATTER_THAN_SINE
+from pipeclamp_identification.campaign.clipping import (
+    CHANNEL_UNITS,
+    FEWEST_ON_A_PLATEAU,
+    FLATTER_THAN_SINE,
+    NOISY,
+    longest_row,
+)
 from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES_PER_CYCLE, WIDEST_GAP
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.plausibility import Fundamental
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.campaign.runs_table import Setup
+from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_identification.signals.smooth_motion import SmoothMotion, smooth_motion
 from pipeclamp_models.base.arrays import Array
 
 WENT_ON = 0.05
 """Share of its range by which the other channel must have gone on for a plateau to be a sensor's end: a machine may
 dwell, and a record rest."""
+FEWEST_STUCK = 20
+"""Samples of one value from which on a channel with noise is stuck: of one reading in two or three that is as the last,
+so many in a row are no chance."""
 SMOOTH_TOP = 8
 """Quanta by which a smooth extreme, quantised, falls over as many samples as it stands, whatever its curvature."""
 STANDING_SHARE = 1e-9
@@ -88,7 +98,9 @@ def free_motion(record: Record) -> SmoothMotion:
 def _check_clipping(record: Record) -> None:
     """Refuse a record in which a sensor stands at an extreme that it entered at speed, while the other one went on.
 
-    A force that never moves is no force at all.
+    A force that never moves is no force at all. Dry friction stands as long as the motion goes one way, and a force is
+    none within a clearance; where the channel has noise that its readings show, these would show it, too. It is clipped
+    then however the motion went on, and stuck where it stands at any value while the motion turned.
 
     Raises:
         SensorFailure: with the channel, the value and the length of the plateau.
@@ -103,32 +115,37 @@ def _check_clipping(record: Record) -> None:
     for name, other in (("displacement_mm", record.force_N), ("force_N", record.displacement_mm)):
         samples = channels[name]
         quantum = _quantum(samples)
+        channel: Channel = "force" if name == "force_N" else "displacement"
+        begin, steps = longest_row(samples[1:] == samples[:-1])
+        still = slice(begin, begin + steps + 1)
+        moving = (samples < np.max(samples)) & (samples > np.min(samples))
+        moving[still] = False
+        shows_noise = np.count_nonzero(moving) > FEWEST_STUCK and sample_noise(samples[moving]) > NOISY * quantum
         for extreme in (np.max(samples), np.min(samples)):
-            first, last = _longest_plateau(samples == extreme)
-            alike = last - first
+            first, alike = longest_row(samples == extreme)
+            last = first + alike
             if alike < FEWEST_ON_A_PLATEAU or first < alike or last + alike > len(samples):
                 continue
             before, after = abs(extreme - samples[first - alike]), abs(extreme - samples[last + alike - 1])
             entered = min(before, after) > FLATTER_THAN_SINE**2 * SMOOTH_TOP * quantum
-            if entered and _excursion(other[first:last]) > WENT_ON * np.ptp(other):
-                channel: Channel = "force" if name == "force_N" else "displacement"
+            way = np.ptp(other[first:last]) if shows_noise and channel == "force" else _excursion(other[first:last])
+            if entered and way > WENT_ON * np.ptp(other):
                 raise SensorFailure(
                     f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row, from "
                     f"{record.time_s[first]:g} s on", channel, "clipped", float(extreme), CHANNEL_UNITS[channel],
                 )  # fmt: skip
+        if shows_noise and steps >= FEWEST_STUCK and _excursion(other[still]) > WENT_ON * np.ptp(other):
+            value = float(samples[begin])
+            raise SensorFailure(
+                f"stuck sensor: {name} stands at {value:g} for {steps + 1} samples in a row, from "
+                f"{record.time_s[begin]:g} s on", channel, "stuck", value, CHANNEL_UNITS[channel],
+            )  # fmt: skip
 
 
 def _excursion(samples: Array) -> float:
     """Give by how far samples go beyond both their ends."""
     low, high = sorted((float(samples[0]), float(samples[-1])))
     return max(float(np.max(samples)) - high, low - float(np.min(samples)))
-
-
-def _longest_plateau(alike: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[int, int]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], alike.astype(np.int8), [0]])))
-    first, last = edges[::2], edges[1::2]
-    longest = int(np.argmax(last - first))
-    return int(first[longest]), int(last[longest])
 
 
 def _quantum(samples: Array) -> float:

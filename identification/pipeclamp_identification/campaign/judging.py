@@ -97,6 +97,7 @@ def judge_runs(
     settings, contradicted = _settings(kept)
     fundamentals = {run: one.shown for run, (_, one) in kept.items()}
     without_mean, lacking = _without_mean([row for row in rows if row.run not in unusable], kept)
+    every = fundamentals | {run: one.shown for run, one in moving.items()}
     failures = [(one.run, one.failure) for one in left_out if one.failure and one.run not in sensors.failed]
     return JudgedRuns(
         sines={run: one for run, (_, one) in kept.items()},
@@ -113,7 +114,7 @@ def judge_runs(
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
             *lacking,
-            *filter(None, [makes_energy(fundamentals), falls_with_displacement(fundamentals)]),
+            *filter(None, [makes_energy(every), falls_with_displacement(fundamentals)]),
             *_moving_from_the_start(moving),
         ),
         without_mean=without_mean,

@@ -329,6 +329,11 @@ def _cell(where: str, column: str, turned: Conversion, cell: str, delimiter: str
     return value if turned == Conversion() else rounded(turned.factor * value + turned.offset)
 
 
+def is_free(stated: Settings) -> bool:
+    """Tell whether a motion is stated to be no sine."""
+    return stated.get("motion") == "free"
+
+
 def name_in(table: Mapping[str, Settings], names: Sequence[str]) -> str:
     """Give the first of a run's names by which a table knows it; "" for none."""
     return next((name for name in names if name and name in table), "")

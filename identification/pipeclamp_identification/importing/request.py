@@ -14,6 +14,7 @@ from pipeclamp_identification.importing.raw import without_controls
 from pipeclamp_identification.importing.reading import passed_over_in
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
+from pipeclamp_identification.importing.writing import Existing, refuse_changed
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import replace_folder, restored, staged_folder
 from pipeclamp_models.base.progress import Progress, silent
@@ -73,18 +74,20 @@ class ImportRequest:
         looked_at = Path(tempfile.gettempdir()) / (self.folder.resolve().name or "campaign")
         return staged_folder(looked_at if self.dry_run else self.folder)
 
-    def put_in_place(self, work: Path, found: ImportedCampaign) -> None:
+    def put_in_place(self, work: Path, found: ImportedCampaign, existing: Existing | None) -> None:
         """Put a campaign and its page in place, once that is confirmed.
 
         Args:
             work: where it lies.
             found: what it is.
+            existing: the campaign that it takes the place of, as it was read.
 
         Raises:
-            UserError: it wasn't confirmed.
+            UserError: it wasn't confirmed, or the place has changed meanwhile.
         """
         self.tell("its page")
         (work / PAGE).write_text(self.page(found), encoding="utf-8", newline="\n")
         if self.confirm and not self.confirm(found):
             raise UserError("nothing was written: the import wasn't confirmed")
+        refuse_changed(self.folder, existing)
         replace_folder(work, self.folder)

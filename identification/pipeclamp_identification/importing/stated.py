@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeclamp_identification.importing.channels.columns import Mapped, Stated, parse_columns
 from pipeclamp_identification.importing.channels.questions import NONE
-from pipeclamp_identification.importing.conditions import Pattern, Settings, read_conditions
+from pipeclamp_identification.importing.conditions import Pattern, Settings, is_free, read_conditions
 from pipeclamp_identification.importing.unusable import UnusableFiles
 from pipeclamp_models.base.errors import UsageError
 
@@ -42,6 +42,11 @@ class Options:
     timed: bool = True
     ask: Ask | None = None
     leave_out: LeaveOut = lambda unusable: False
+
+    @property
+    def called_free(self) -> frozenset[str]:
+        """Names of files and runs whose motion is stated to be free; without a time every motion is laid out."""
+        return frozenset(name for name, stated in self.conditions.items() if self.timed and is_free(stated))
 
 
 def stated_options(

@@ -40,12 +40,14 @@ class Existing:
         folder: where it lies.
         description: its campaign.toml, and the text of what is the user's in it.
         rows: of its runs.csv, as they stand there.
+        stands: both files as they were read.
     """
 
     folder: Path
     description: CampaignDescription
     head: str
     rows: tuple[dict[str, str], ...]
+    stands: tuple[bytes, ...]
 
     @property
     def imported(self) -> Imported:
@@ -74,6 +76,7 @@ def existing_campaign(folder: Path) -> Existing | None:
         return None
     if not (folder / campaign_file.FILE_NAME).is_file():
         raise UserError(f"{folder}: exists already; expected a new folder, or a campaign that `pipeclamp import` wrote")
+    stands = _as_it_stands(folder)
     description = read_description(folder)
     text = read_text(folder / campaign_file.FILE_NAME, "the campaign's description, a TOML file")
     if description.imported is None or OURS not in text:
@@ -84,7 +87,26 @@ def existing_campaign(folder: Path) -> Existing | None:
     runs_table.read_runs_table(folder, description)
     with (folder / runs_table.FILE_NAME).open(encoding="utf-8-sig", newline="") as stream:
         rows = tuple(csv.DictReader(stream))
-    return Existing(folder, description, text.partition(OURS)[0], rows)
+    return Existing(folder, description, text.partition(OURS)[0], rows, stands)
+
+
+def refuse_changed(folder: Path, existing: Existing | None) -> None:
+    """Refuse to put a campaign in the place of one that isn't what was read before, or that wasn't there.
+
+    Raises:
+        UserError: another import, or an editor, changed it meanwhile; what they did would be lost.
+    """
+    if _as_it_stands(folder) != (existing.stands if existing else ()):
+        raise UserError(
+            f"{folder}: changed while this import ran, by another import or in an editor; nothing was written; the "
+            "same command again joins these files to what is there now"
+        )
+
+
+def _as_it_stands(folder: Path) -> tuple[bytes, ...]:
+    """Give what a campaign's two files hold, those that are there."""
+    paths = (folder / campaign_file.FILE_NAME, folder / runs_table.FILE_NAME)
+    return tuple(path.read_bytes() for path in paths if path.is_file())
 
 
 def table_text(before: Sequence[Mapping[str, str]], new: Sequence[Mapping[str, float | str | None]]) -> str:

@@ -28,6 +28,7 @@ from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.range import celsius_tested
 
 MOST_LEVELS = {"A": 7, "f": 7, "T": 5}
 """Levels within the limits, of which plans take some."""
@@ -190,7 +191,7 @@ def _within(file: LawFile, limits: Limits | None) -> Limits:
     """Give closed limits: as stated, else around a law's data."""
     A, f, T = (file.range.get(name) for name in ("A", "f", "T"))
     assert A is not None and f is not None, "a law's file holds both"
-    celsius = (T.minimum - CELSIUS, T.maximum - CELSIUS) if T else (LABORATORY, LABORATORY)
+    celsius = celsius_tested(T) if T else (LABORATORY, LABORATORY)
     ends = replace(Limits(), amplitude=(A.minimum, A.maximum), frequency=(f.minimum, f.maximum), temperature=celsius)
     return reach_around(ends.amplitude, ends.frequency, ends.temperature, limits or ends, timed=file.data.is_timed)
 

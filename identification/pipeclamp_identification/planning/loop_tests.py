@@ -21,7 +21,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, KrigedShare, LawFile, LocalForm, law_of
 from pipeclamp_models.law.local_form import Kriged
-from pipeclamp_models.law.range import as_in_range
+from pipeclamp_models.law.range import as_in_range, celsius_tested
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
@@ -121,7 +121,7 @@ def reach_of(file: LawFile, limits: Limits | None, celsius: float) -> Limits:
         celsius: the temperature for a law whose tests had none that is known.
     """
     A, f, T = file.range["A"], file.range["f"], file.range.get("T")
-    tested = (T.minimum - CELSIUS, T.maximum - CELSIUS) if T else (celsius, celsius)
+    tested = celsius_tested(T) if T else (celsius, celsius)
     return reach_around(
         (A.minimum, A.maximum), (f.minimum, f.maximum), tested, limits, warmed=T is not None, timed=file.data.is_timed
     )
@@ -152,9 +152,11 @@ def loop_tests(
     }
     for name, values in levels.items():
         interval = file.range.get(name)
-        ends = [interval.minimum, interval.maximum] if interval else []
-        also = np.array([*ends, *([near[name]] if near else [])]) - (CELSIUS if name == "T" else 0.0)
-        levels[name] = np.concatenate([values, also])
+        ends = (interval.minimum, interval.maximum) if interval else ()
+        if interval and name == "T":
+            ends = celsius_tested(interval)
+        also = [near[name] - (CELSIUS if name == "T" else 0.0)] if near else []
+        levels[name] = np.array([*values, *ends, *also])
     grid = drivable_grid(profile, levels, limits)
     slopes, error, off, peak = _foretold(law, grid, further, noise_N)
     kept = np.flatnonzero(peak <= limits.force)

@@ -66,7 +66,18 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         step = np.minimum(step, relative * np.abs(rising))
     groups = np.split(np.arange(len(order)), np.flatnonzero(np.diff(rising) > step[1:]) + 1) if len(order) else []
     wide = any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups)
-    if wide or len(groups) > MOST_SET_POINTS:
+    points = np.array([np.mean(rising[group]) for group in groups])
+    if not wide and len(groups) > MOST_SET_POINTS:
+        classes = _classes([len(group) for group in groups])
+        ends = points[[place for one in classes for place in (one[0], one[-1])]]
+        texts = distinct_texts(_rounded(ends, told))
+        found = [
+            Level(
+                low if low == high else f"{low} to {high}", low, high, order[np.concatenate([groups[i] for i in one])]
+            )
+            for one, low, high in zip(classes, texts[::2], texts[1::2], strict=True)
+        ]
+    elif wide:
         edges = np.unique(np.quantile(rising, np.arange(1, CLASSES_OF_MANY) / CLASSES_OF_MANY))
         groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
         groups = [group for group in groups if len(group)]
@@ -77,9 +88,23 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
             for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
         ]
     else:
-        texts = distinct_texts(_rounded(np.array([np.mean(rising[group]) for group in groups]), told))
+        texts = distinct_texts(_rounded(points, told))
         found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
+
+
+def _classes(counts: Sequence[int]) -> list[IntArray]:
+    """Put set points into classes of about as many runs: whole ones, for runs at one setting belong together.
+
+    Args:
+        counts: runs of each set point, rising.
+
+    Returns:
+        places of the set points of each class.
+    """
+    middles = np.cumsum(counts) - np.array(counts) / 2
+    numbers = (middles * CLASSES_OF_MANY / np.sum(counts)).astype(np.intp)
+    return np.split(np.arange(len(counts), dtype=np.intp), np.flatnonzero(np.diff(numbers)) + 1)
 
 
 def known_levels(values: Array) -> list[Level]:

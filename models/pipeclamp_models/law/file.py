@@ -432,6 +432,9 @@ def parse_law(text: str, where: str) -> LawFile:
     """
     try:
         file = LawFile.model_validate_json(text, strict=False)
+        law_of(file)
+    except UserError as error:
+        raise UserError(f"{where}: {error}") from error
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         if first["type"] == "json_invalid" and "EOF" in first["msg"]:
@@ -440,10 +443,6 @@ def parse_law(text: str, where: str) -> LawFile:
         raise UserError(
             f"{where}: {explained(error)}; correct it ({SCHEMA}), or fit the law anew: pipeclamp identify"
         ) from error
-    try:
-        law_of(file)
-    except UserError as error:
-        raise UserError(f"{where}: {error}") from error
     return file
 
 

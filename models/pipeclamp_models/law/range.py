@@ -39,6 +39,17 @@ def _outward(value: float, towards: Callable[[float], int]) -> float:
     return rounded(towards(round(value / step, 6)) * step)
 
 
+def celsius_tested(interval: Interval) -> tuple[float, float]:
+    """Give the whole degrees Celsius that a range of temperatures reaches from and to.
+
+    Its ends are kelvins, rounded outward: 20 and 60 degC are 293 to 334 K there, and nobody sets a chamber to 19.85 and
+    60.85 degC. Of a range that holds no whole degree, its ends.
+    """
+    ends = interval.minimum - CELSIUS, interval.maximum - CELSIUS
+    low, high = math.ceil(round(ends[0], 6)), math.floor(round(ends[1], 6))
+    return (float(low), float(high)) if low <= high else ends
+
+
 def rounded(value: float) -> float:
     """Give the number with ten significant digits, so that the same data give the same file."""
     return float(f"{value:.{LAW_DIGITS}g}")

@@ -23,6 +23,10 @@ ALWAYS = ("A", "f", "T")
 """Conditions that may be given to every law, whether it follows them or not."""
 
 
+REAL = "biufO"
+"""Kinds of arrays that hold real numbers: of truth values, integers, floats, or of Python's own objects."""
+
+
 def force_along(
     file: LawFile, y: npt.ArrayLike, v: npt.ArrayLike, given: Mapping[str, npt.ArrayLike], h: float | None
 ) -> Array | np.float64:
@@ -83,7 +87,10 @@ def _finite(name: str, values: npt.ArrayLike) -> Array:
         UserError: they aren't numbers, or not all are finite.
     """
     try:
-        array = np.asarray(values, dtype=np.float64)
+        array = np.asarray(values)
+        if array.dtype.kind not in REAL:  # numpy would turn texts, dates and complex numbers into some number
+            raise TypeError(array.dtype)
+        array = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
     except (TypeError, ValueError) as error:
         raise UserError(f"force: {name}: got {values!r}; expected numbers") from error
     if not np.all(np.isfinite(array)):

@@ -58,3 +58,24 @@ def test_a_record_that_is_there_twice_is_refused_by_join(tmp_path, harmonic_reco
     both = [read_campaign(tmp_path / name) for name in ("one", "two")]
     with pytest.raises(UserError, match="run 'B' of two has the same record as run 'A' of one"):
         list(joined_runs(both))
+
+
+def test_where_a_zero_drifted_the_mean_counts_for_nothing_in_joined_tests_either(tmp_path):
+    """The drift is taken off what is written; nobody had been told, and the mean that it left counted as measured."""
+    time = np.arange(0.0, 6.0, 0.005)
+    y = 0.8 * np.sin(2 * np.pi * 1.0 * time)
+    noise = np.random.default_rng(3)
+    for name, drift in (("one", 80.0), ("two", 0.0)):
+        force = (
+            400.0 * y + 60.0 * np.cos(2 * np.pi * time) + drift * time / time[-1] + noise.normal(0.0, 1.0, len(time))
+        )
+        record = Record(time, y, force)
+        write_campaign(
+            tmp_path / name, iter([WrittenRun({"run": name, "amplitude_mm": 0.8}, record)]), name=name, notes=""
+        )
+    both = [read_campaign(tmp_path / name) for name in ("one", "two")]
+    assert [run.mean_known for campaign in both for run in campaign.runs] == [False, True]
+    write_campaign(tmp_path / "all", joined_runs(both), name="all", notes="")
+    joined = read_campaign(tmp_path / "all")
+    assert [run.mean_known for run in joined.runs] == [False, True]
+    assert any("the mean force of 1 run isn't known, as is stated (one)" in remark for remark in joined.remarks)

@@ -53,6 +53,22 @@ def dwelling(samples):
     samples["force_N"] = 1000 * y - 50 * (y == 2) * (1 - np.exp(-(time - 6) / 3))
 
 
+def damper(change):
+    """A damper's force, which stands all along a way at speed, with something done to it."""
+
+    def changed(samples):
+        velocity = np.gradient(samples["displacement_mm"], samples["time_s"])
+        noise = np.random.default_rng(5)
+        samples["force_N"] = 300 * np.tanh(velocity / 15) + 3 * noise.standard_normal(len(velocity))
+        change(samples)
+
+    return changed
+
+
+def stuck(samples):
+    samples["force_N"][1200:2900] = samples["force_N"][1200]
+
+
 ALONE = "run,file,motion\nB,runs/B.csv,free\n"
 
 
@@ -127,6 +143,9 @@ def test_the_name_of_a_motion_is_a_column_of_its_own(write):
         (setting("force_N", lambda F: 0 * F + 3), "stuck sensor: force_N stands at 3 all through the record"),
         (clip("force_N", 0.6), "clipped sensor: force_N stands at"),
         (clip("displacement_mm", 0.6), "clipped sensor: displacement_mm stands at"),
+        (damper(clip("force_N", 0.6)), "clipped sensor: force_N stands at"),
+        (stuck, "stuck sensor: force_N stands at"),
+        (damper(stuck), "stuck sensor: force_N stands at"),
     ],
 )
 def test_a_record_that_cannot_be_used_is_left_out_with_its_reason(write, change, reason):
@@ -139,9 +158,38 @@ def test_a_record_that_cannot_be_used_is_left_out_with_its_reason(write, change,
         read_campaign(folder, strict=True)
 
 
-@pytest.mark.parametrize("change", [dwelling, setting("displacement_mm", lambda y: np.round(y, 2))])
+def noiseless_friction(samples):
+    """Dry friction in a record without noise: it stands as long as the motion goes one way."""
+    samples["force_N"] = 300.0 * np.sign(np.gradient(samples["displacement_mm"].round(1).cumsum()))
+
+
+def rounded_force(samples):
+    """A reading whose last digit hides the noise, within a clearance, in which no force is."""
+    samples["force_N"] = np.round(1000 * np.sign(samples["displacement_mm"]) * np.maximum(
+        np.abs(samples["displacement_mm"]) - 1.0, 0.0), -1)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        dwelling,
+        setting("displacement_mm", lambda y: np.round(y, 2)),
+        noiseless_friction,
+        rounded_force,
+        damper(lambda s: None),
+    ],
+)
 def test_a_dwell_and_quantised_readings_are_no_clipped_sensor(write, change):
     assert read_campaign(write(change)).left_out == ()
+
+
+def test_a_free_motion_that_makes_energy_is_told(write):
+    """A damper's force with its sign reversed shows no stiffness that would tell: it had been used without a word."""
+    campaign = read_campaign(write(damper(setting("force_N", np.negative))))
+    assert any("makes energy" in words and "'B'" in words for words in campaign.remarks)
+    assert not any(
+        "makes energy" in words for words in read_campaign(write(damper(lambda s: None), folder="d")).remarks
+    )
 
 
 def test_a_run_that_begins_in_motion_is_told(write):

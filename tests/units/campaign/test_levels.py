@@ -61,3 +61,14 @@ def test_names():
 def test_a_set_point_near_zero_is_told_no_finer_than_others():
     assert labels(number_levels(np.array([-0.166, 0.014, 40.1]), absolute=5.0)) == ["-0.1", "40"]
     assert labels(number_levels(np.array([-0.03, 0.01, 40.1]), absolute=5.0)) == ["0", "40"]
+
+
+def test_classes_of_many_set_points_hold_whole_ones():
+    """Of runs at 5 mm one had been in the class "4.00016 to 5.00023", and the next in "5.00026 to 7"."""
+    settings = np.repeat([4.0, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20], 4)
+    values = settings * (1 + 1e-4 * np.random.default_rng(2).standard_normal(len(settings)))
+    levels = number_levels(values, relative=0.05)
+    assert [level.label for level in levels] == ["4 to 5", "6 to 7", "8 to 9", "10 to 12", "14 to 16", "18 to 20"]
+    for level in levels:
+        assert set(settings[level.rows]) == {float(level.low), float(level.high)}
+    assert sorted(np.concatenate([level.rows for level in levels]).tolist()) == list(range(len(values)))

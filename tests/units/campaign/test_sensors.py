@@ -56,6 +56,21 @@ def faults_of(tmp_path):
     return read
 
 
+@pytest.mark.parametrize(("slope_Hz_per_s", "drift_N", "told"), [(0.275, 0.0, 0), (-0.275, 0.0, 0), (0.0, 60.0, 1)])
+def test_a_mean_that_follows_the_speed_of_a_sweep_is_no_drifting_zero(tmp_path, slope_Hz_per_s, drift_N, told):
+    """Of a damper that is harder one way the mean force follows the speed."""
+    time = np.arange(0.0, 20.0, 1e-3)
+    frequency = 3.25 + slope_Hz_per_s * (time - 10.0)
+    phase = 2 * np.pi * (3.25 * time + slope_Hz_per_s * (time - 10.0) ** 2 / 2)
+    y, v = 8.0 * np.sin(phase), 2 * np.pi * frequency * 8.0 * np.cos(phase)
+    force = 5.0 * y + np.where(v > 0, 450 * np.tanh(v / 60) + v, 900 * np.tanh(v / 45) + 2 * v) + drift_N * time / 20.0
+    force += np.random.default_rng(1).normal(0.0, 4.0, len(time))
+    pl.DataFrame({"time_s": time, "displacement_mm": y, "force_N": force}).write_csv(tmp_path / "sweep.csv")
+    (tmp_path / "campaign.toml").write_text('name = "sweep"\n')
+    (tmp_path / "runs.csv").write_text("run,file,amplitude_mm,temperature_C\nsweep,sweep.csv,8,20\n")
+    assert len(read_campaign(tmp_path).faults) == told
+
+
 def _size(force):
     return np.ptp(force) / 2
 

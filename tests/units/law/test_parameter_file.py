@@ -71,6 +71,7 @@ AT_REST = {
         ({"covariance": {"names": ["a", "b"], "matrix": [[1.0]]}}, ["covariance", "2 x 2"]),
         ({"coefficients": {}}, ["missing", "k10"]),
         ({"effects": ["coulomb"]}, ["F_c"]),
+        ({"effects": ["colomb"]}, ["here.json", "'colomb' is not in the catalogue", "coulomb"]),
         ({"base": "series:3"}, ["series:3", "expected one of"]),
     ],
 )

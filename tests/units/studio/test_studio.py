@@ -90,6 +90,7 @@ def test_most_of_the_force_may_be_a_constant_load(campaign, tmp_path):
     pc.identify(loaded, effects=["offset"]).save(project.folder / "law1.json")
     page = campaign_page(Opened("loaded", project, read_bench(str(loaded))), None, by="", beside="")
     assert "Most of the force is a constant load; of the rms of the rest the error is" in page
+    assert "Of the rig, and so not in the FMU: offset (F_o = -900" in page, "the FMU that is built here lacks it"
 
 
 def test_an_addition_that_does_not_help_is_told_with_the_way_back(campaign, tmp_path):

@@ -10,7 +10,7 @@ from banded import FORM, SPREAD, banded
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_system.bands.band import Band, band_of, ends_words, steps_of
+from pipeclamp_system.bands.band import Band, band_of, beside_words, ends_words, steps_of
 from pipeclamp_system.bands.quantities import unknown_of_clamps
 from pipeclamp_system.bands.response import BandedSystem, banded_system, response_bands
 from pipeclamp_system.bands.varied import varied
@@ -105,3 +105,11 @@ def test_normal_steps_and_shares():
 def test_the_ends_of_a_narrow_band_are_told_apart(ends, told):
     """Of a peak's frequency "4.36 Hz (95%: 4.36 to 4.36)" had been said."""
     assert ends_words(Band(*ends, ends[0], 0.0, {}, ()), "Hz", 95.0) == told
+
+
+@pytest.mark.parametrize(
+    ("ends", "told"), [((5.993, 5.286, 5.919), True), ((5.9, 5.286, 5.919), False), ((4.36, 4.36000001, 4.36), False)]
+)
+def test_a_number_outside_of_its_own_band_says_why(ends, told):
+    """A peak of "5.993 mm (95%: 5.286 to 5.919)" had stood there without a word."""
+    assert ("tests near that motion lie beside the law" in beside_words(Band(*ends, ends[1], 0.1, {}, ()))) is told

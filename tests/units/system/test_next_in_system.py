@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -123,6 +124,15 @@ def test_after_a_response(tmp_path, case):
     path = banded(tmp_path, 1.0)
     found, line = RESPONSE[case]
     assert said(after_response(found, path, "r.csv")) == told(line, path)
+
+
+def test_a_plan_beyond_the_tests_asks_for_whole_degrees(tmp_path):
+    """Laws' files hold whole kelvins, about those of the tests: 20 degC is 293 to 294 K there."""
+    path = banded(tmp_path, 1.0)
+    law = json.loads((tmp_path / "law.json").read_text(encoding="utf-8"))
+    law["range"]["T"] |= {"minimum": 293.0, "maximum": 334.0}
+    (tmp_path / "law.json").write_text(json.dumps(law), encoding="utf-8")
+    assert said(after_response(Response(beyond={"A": 0.01}), path, "r.csv")).endswith(",T=20..60")
 
 
 def test_where_it_is_known_how_sure_it_is_a_test_is_planned(tmp_path):

@@ -12,7 +12,7 @@ from pipeclamp_identification.campaign.description import ImportedRun
 from pipeclamp_identification.campaign.plausibility import STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.importing.channels.columns import Mapped
-from pipeclamp_identification.importing.conditions import Settings, name_in, settings_of
+from pipeclamp_identification.importing.conditions import Settings, is_free, name_in, settings_of
 from pipeclamp_identification.importing.plan import PlannedRun
 from pipeclamp_identification.importing.raw import Above
 from pipeclamp_identification.importing.records.drafts import Draft, TakenTable, is_timed
@@ -103,9 +103,10 @@ def named_run(draft: Draft, table: TakenTable, called: Called, taken: Container[
     name, file = called.free_name(taken), file_name(called.path)
     timed = is_timed(table.mapped.columns, options.timed)
     sine = (draft.seen.shown.amplitude_mm, draft.seen.cycles.frequency_Hz) if isinstance(draft.seen, SeenSine) else None
-    measured = _measured(draft, table.mapped, sine, timed=timed)
     known_as = name_in(options.conditions, (name, draft.label, called.own, file, Path(file).stem))
     stated = settings | options.conditions.get(known_as, {})
+    # who calls a motion free that looks like a sine states neither amplitude nor frequency
+    measured = _measured(draft, table.mapped, None if is_free(stated) else sine, timed=timed)
     row: dict[str, float | str | None] = {**table.stated, **measured}
     above = table.above if "temperature_C" not in row else None
     if above and above.temperature_C is not None:

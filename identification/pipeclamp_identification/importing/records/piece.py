@@ -23,7 +23,7 @@ from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.integrated import integrated
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
-from pipeclamp_identification.importing.samples.split import SampleRange, irregular, levels, unsteady
+from pipeclamp_identification.importing.samples.split import Cut, SampleRange, irregular, levels, unsteady
 from pipeclamp_identification.importing.samples.untimed import cycles_of, laid_out
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array
@@ -32,6 +32,8 @@ from pipeclamp_models.base.tables import pl
 
 BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
+STATED_FREE = "as --conditions states"
+"""Why a record of which the user says so is no sine."""
 HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle, or one way up and back"
 """Why a record whose time wasn't measured is no sine."""
 
@@ -49,6 +51,7 @@ class Piece:
         label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
         timed: whether its time was measured.
+        free: whether its motion is stated to be free.
         stretches: that a picture of it is thinned out to.
     """
 
@@ -61,6 +64,7 @@ class Piece:
     cycles_before: float
     places: Array | None
     label: str
+    free: bool
     record: Path
     format: Format
     stretches: int
@@ -89,7 +93,7 @@ def _taken_piece(piece: Piece) -> TakenPart:
         rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1
         nowhere = CutPart(rows, (0.0, 0.0), "no samples of displacement")
         return TakenPart((), 0, (nowhere,), np.empty(0), np.empty((0, 2)))
-    found = levels(trace.record.time_s, y)
+    found = Cut((SampleRange(0, len(y)),), ()) if piece.free else levels(trace.record.time_s, y)
     drafts: list[Draft] = []
     left = list(found.left)
     for part in found.runs:
@@ -128,9 +132,13 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     clean = without_spikes(slow.record)
     repaired = evened(clean.record) if piece.timed else laid_out(clean.record)
     times = piece.of_displacement.integrated
-    even = integrated(repaired.record, times) if times else repaired.record
-    # what isn't laid out has the time of its samples, in which cycles mean nothing
-    usable = _usable(even, piece.timed) if piece.timed or repaired.done else _free(clean.record, HARDLY_TURNS)
+    even = integrated(repaired.record, times, free=piece.free) if times else repaired.record
+    if piece.free:
+        usable = _free(even, STATED_FREE)
+    elif piece.timed or repaired.done:
+        usable = _usable(even, piece.timed)
+    else:  # what isn't laid out has the time of its samples, in which cycles mean nothing
+        usable = _free(clean.record, HARDLY_TURNS)
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C

@@ -67,7 +67,16 @@ def plan_import(
     digests = frozenset((known or {}).values())
     unusable: dict[Path, UnusableFileError] = {}
     planner = _Planner(options, set(taken))
-    way = Way(options.columns, options.rate, options.timed, options.ask is not None, records, format, digests)
+    way = Way(
+        options.columns,
+        options.rate,
+        options.timed,
+        options.ask is not None,
+        records,
+        format,
+        digests,
+        options.called_free,
+    )
     for path, file in zip(paths, taken_files(paths, way, options.ask, progress), strict=True):
         if isinstance(file, UnusableFileError):
             unusable[path] = file

@@ -60,6 +60,7 @@ class Way:
         ask: whether somebody can say what is open.
         records: folder that records are written into, and their format.
         known: SHA-256 of files that aren't read again.
+        free: names of files and runs whose motion is stated to be free: they aren't parted by levels.
     """
 
     columns: tuple[Stated, ...]
@@ -69,6 +70,7 @@ class Way:
     records: Path
     format: Format
     known: frozenset[str]
+    free: frozenset[str] = frozenset()
 
 
 Over = Callable[[Callable[[Piece], "TakenPart | UserError"], Iterable[Piece]], Iterator["TakenPart | UserError"]]
@@ -122,7 +124,7 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
 def _taken(source: SourceFile, table: RawTable, mapped: Mapped, record: Path, way: Way, over: Over) -> TakenPart:
     """Take a table, piece by piece."""
     parts: list[TakenPart] = []
-    for part in over(take_piece, _pieces(where_of(source, table), table, mapped.columns, record, way)):
+    for part in over(take_piece, _pieces(source, table, mapped.columns, record, way)):
         if isinstance(part, UserError):
             raise part
         parts.append(part)
@@ -139,8 +141,11 @@ def _taken(source: SourceFile, table: RawTable, mapped: Mapped, record: Path, wa
     )
 
 
-def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Path, way: Way) -> Iterator[Piece]:
+def _pieces(
+    source: SourceFile, table: RawTable, columns: tuple[Column, ...], record: Path, way: Way
+) -> Iterator[Piece]:
     """Give the pieces of a table, with the channels that are ours alone."""
+    where = where_of(source, table)
     headings = {column.heading for column in columns}
     channels = [channel for channel in (*table.channels, *table.labels) if channel.heading in headings]
     time = time_of(table, columns, way.rate)
@@ -176,6 +181,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
         )
     pieces = (rows_apart if timed_here else joined_rows)(table, channels, columns, begins)
     for number, ((first, last), rows) in enumerate(zip(itertools.pairwise(begins), pieces, strict=True)):
+        called = label.of(np.arange(first, last)[finite[first:last]]) if label else ""
         yield Piece(
             where=where,
             table=RawTable(table.name, rows.channels, table.first_row + rows.begin, table.read_as),
@@ -185,7 +191,8 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
             begin=rows.begin,
             cycles_before=rows.cycles_before,
             places=rows.places,
-            label=label.of(np.arange(first, last)[finite[first:last]]) if label else "",
+            label=called,
+            free=not way.free.isdisjoint((called, source.name, Path(source.name).stem)),
             record=record.with_name(f"{record.name}_{number:05d}"),
             format=way.format,
             stretches=max(1, round(WIDEST_OVERVIEW * (last - first) / table.length)),

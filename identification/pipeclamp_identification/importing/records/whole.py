@@ -67,7 +67,7 @@ def import_records(request: ImportRequest) -> ImportedRecords:
             return found
         if found.imported.delay:
             write_description(work, head, found.imported)
-        request.put_in_place(work, found)
+        request.put_in_place(work, found, existing)
     return found
 
 

@@ -64,7 +64,7 @@ def import_results(request: ImportRequest) -> ImportedResults:
         write_description(work, head, made.imported)
         found = made.found(work, written=not request.dry_run)
         if not request.dry_run:
-            request.put_in_place(work, found)
+            request.put_in_place(work, found, existing)
     return found
 
 

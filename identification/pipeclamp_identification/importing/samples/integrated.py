@@ -31,7 +31,7 @@ TAKEN_OFF_SHARE = 1 / 3
 FILTER_ORDER = 4
 
 
-def integrated(record: Record, times: int) -> Record:
+def integrated(record: Record, times: int, *, free: bool = False) -> Record:
     """Give a record whose displacement was its rate: a speed, mm/s, or an acceleration, mm/s2.
 
     Of a sine half a period at each end is left aside: the mean around its samples isn't known.
@@ -39,10 +39,11 @@ def integrated(record: Record, times: int) -> Record:
     Args:
         record: its samples follow each other in even steps.
         times: that the rate is integrated: 1 or 2.
+        free: whether its motion is stated to be no sine.
     """
     time, rate = record.time_s - record.time_s[0], record.displacement_mm
     moved = CubicSpline(time, rate - np.mean(rate)).antiderivative(times)(time)
-    frequency = _frequency_of(record)
+    frequency = None if free else _frequency_of(record)
     if frequency is None:
         moved = moved - Polynomial.fit(time, moved, DRIFT_DEGREE)(time)
         return replace(record, displacement_mm=_without_slow_motion(time, moved, record.force_N))

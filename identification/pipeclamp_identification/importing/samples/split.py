@@ -157,7 +157,8 @@ def unsteady(y: Array, steady: slice, cycles: int) -> str:
     are = "is steady, and alone is used" if cycles == 1 else "are steady, and alone are used"
     return (
         f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm): {cycles} of some "
-        f"{moving * cycles / used:.0f} cycles {are} (--columns segment=each-cycle makes each a run)"
+        f"{moving * cycles / used:.0f} cycles {are} (--columns segment=each-cycle makes each a run; where a column "
+        "'motion' of --conditions says free, it stays one motion)"
     )
 
 

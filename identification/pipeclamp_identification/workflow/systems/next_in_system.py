@@ -12,6 +12,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.base.tables import pl
 from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.law.range import celsius_tested
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.law_conditions import motion_conditions
 from pipeclamp_system.cosim.result import CosimResult
@@ -150,10 +151,10 @@ def _tests_beyond(
         known = law_in(system.parent, clamp.law).range
         for symbol in ("A", "f", "T"):
             if symbol in known:
-                ends = known[symbol].minimum, known[symbol].maximum
-                values = [*ends, *(one[symbol] for one in beyond[clamp.at] if symbol in one)]
-                shift = CELSIUS if symbol == "T" else 0.0
-                limits = limits.with_range(symbol, (min(values) - shift, max(values) - shift))
+                one_range, shift = known[symbol], CELSIUS if symbol == "T" else 0.0
+                ends = celsius_tested(one_range) if symbol == "T" else (one_range.minimum, one_range.maximum)
+                values = [*ends, *(one[symbol] - shift for one in beyond[clamp.at] if symbol in one)]
+                limits = limits.with_range(symbol, (min(values), max(values)))
         law = str(system.parent / clamp.law) if PurePath(clamp.law).suffix else clamp.law
         line = shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(limits))
         return NextStep(line, f"to test as far as {clamp.at} moves")
