@@ -9,10 +9,13 @@ from types import SimpleNamespace
 
 import pytest
 from banded import banded
+from few_effects import few_effects
+from typer.testing import CliRunner
 
 import pipeclamp as pc
 from pipeclamp.__main__ import main
 from pipeclamp.cli import planning
+from pipeclamp.cli.app import app
 from pipeclamp.show import narrowing as views
 from pipeclamp_identification.planning import narrowing
 
@@ -70,7 +73,10 @@ def test_a_campaign_is_planned_and_tried_on_the_rig(tmp_path, pipeclamp):
     folder, answer, report = tmp_path / "planned", tmp_path / "plan.json", tmp_path / "plan.html"
     pc.open_law("emwm2").save(tmp_path / "my law.json")
     options = ["--hours", "0.3", "--limits", "A=0.2..1,f=2..6,T=20..20", "--json", answer, "--report", report]
-    done = pipeclamp("plan", "-o", folder, "--law", tmp_path / "my law.json", *options)
+    words = ["plan", "-o", folder, "--law", tmp_path / "my law.json", *options]
+    with few_effects("hardening", "asymmetry", "memory", "viscous", "quadratic_damping", "damping_temperature"):
+        done = CliRunner().invoke(app, [str(word) for word in words])
+    assert done.exit_code == 0, done.output
     said = " ".join(done.stdout.split())
     told = json.loads(answer.read_text(encoding="utf-8"))
     assert f"In {told['hours']:.3g} rig hours this plan can tell all {told['stages'][-1]['told']} effects " in said

@@ -313,7 +313,10 @@ def test_files_of_another_fmu_are_refused(drive, native_fmus, law_with_memory, t
             drive(tmp_path / f"{name}.fmu")
 
 
-def test_it_is_built_the_same_twice_and_its_sources_compile_as_they_are(native_fmus, law_with_memory, tmp_path):
+def test_it_is_built_the_same_twice_and_its_sources_compile_as_they_are(
+    monkeypatch, native_fmus, law_with_memory, tmp_path
+):
+    monkeypatch.setenv("PIPECLAMP_CACHE", "")  # where what was compiled is kept
     build_native_clamp(law_with_memory, tmp_path / "again.fmu")
     assert (tmp_path / "again.fmu").read_bytes() == native_fmus[2].read_bytes()
     build_native_clamp(law_with_memory, tmp_path / "sources.fmu", platforms=())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import os
 import platform
 import shutil
@@ -12,11 +14,13 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.kept import kept
 
 MAIN_SOURCE = "fmu.c"
 
@@ -96,6 +100,8 @@ def refuse_unknown_platforms(platforms: Sequence[str], fmi: int) -> None:
 def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dict[str, bytes]:
     """Compile sources, of which `fmu.c` includes the others, into a shared library for each platform.
 
+    What the same compiler made of the same sources is kept from one call to the next.
+
     Args:
         sources: text by file name.
         platforms: of PLATFORMS.
@@ -104,23 +110,47 @@ def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dic
         UserError: there is no compiler for a platform, or it failed.
     """
     libraries: dict[str, bytes] = {}
-    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder:
-        for name, text in sources.items():
-            (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
-        for name in platforms:
-            output = Path(folder) / f"{name}{PLATFORMS[name].ending}"
-            command = [*_compiler(name), *FLAGS, MAIN_SOURCE, "-o", output.name, *PLATFORMS[name].flags]
-            failed, told = _ran(command, folder)
-            if failed or not output.exists():
-                # In whatever encoding the compiler has: what it says must not hide that it failed.
-                said = told.decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
-                reason = next((line for line in said if "error" in line), said[-1])
-                raise UserError(
-                    f"the C compiler {command[0]} failed for {name}: {reason}; expected one that takes C99 and GCC's "
-                    "options (GCC, Clang, or `pip install 'pipeclamp[native]'`)"
-                )
-            libraries[name] = output.read_bytes()
+    for name in platforms:
+        compiler = _compiler(name)
+        output = f"{name}{PLATFORMS[name].ending}"
+        command = [*compiler, *FLAGS, MAIN_SOURCE, "-o", output, *PLATFORMS[name].flags]
+        described = json.dumps([_identity(compiler), command, dict(sources)], sort_keys=True)
+
+        def make(name: str = name, command: Sequence[str] = command, output: str = output) -> str:
+            return base64.b64encode(_compiled(sources, name, command, output)).decode()
+
+        libraries[name] = base64.b64decode(kept(f"library {described}", make))
     return libraries
+
+
+def _identity(compiler: Sequence[str]) -> list[str]:
+    """Tell a compiler from others and from what it was before: Zig's by its version, else by its file."""
+    if "ziglang" in compiler:
+        return [version("ziglang")]
+    file = Path(compiler[0]).resolve()
+    return [str(file), str(file.stat().st_size), str(file.stat().st_mtime_ns)]
+
+
+def _compiled(sources: Mapping[str, str], name: str, command: Sequence[str], output: str) -> bytes:
+    """Run a compiler on sources in a folder of its own; give what it made.
+
+    Raises:
+        UserError: it failed.
+    """
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder:
+        for file, text in sources.items():
+            (Path(folder) / file).write_text(text, encoding="utf-8", newline="\n")
+        failed, told = _ran(command, folder)
+        made = Path(folder) / output
+        if failed or not made.exists():
+            # In whatever encoding the compiler has: what it says must not hide that it failed.
+            said = told.decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
+            reason = next((line for line in said if "error" in line), said[-1])
+            raise UserError(
+                f"the C compiler {command[0]} failed for {name}: {reason}; expected one that takes C99 and GCC's "
+                "options (GCC, Clang, or `pip install 'pipeclamp[native]'`)"
+            )
+        return made.read_bytes()
 
 
 def _ran(command: Sequence[str], folder: str) -> tuple[int, bytes]:

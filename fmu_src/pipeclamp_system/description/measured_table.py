@@ -45,7 +45,7 @@ def csv_frame(path: Path) -> pl.DataFrame:
     """
     # Not by its path, in which polars would take brackets for patterns.
     content = read_content(path, "CSV with names in row 1")
-    names = next(csv.reader([content.partition(b"\n")[0].decode("utf-8-sig", "replace")]), [])
+    names = next(csv.reader(content.partition(b"\n")[0].decode("utf-8-sig", "replace").splitlines()[:1]), [])
     twice = next((name for name, count in Counter(names).items() if name and count > 1), None)
     if twice is not None:
         raise UserError(f"{path}, row 1: column {twice!r} is there twice; expected a name for each column")

@@ -14,6 +14,9 @@ from pipeclamp_models.base.kept import kept
 
 SPEED_LEVEL = 2
 """How hard LLVM tries: beyond that it takes longer than it gains."""
+LARGE = 400_000
+"""Characters of a module beyond which LLVM takes instructions as they come: to choose and to order the best it takes
+longer than in proportion, several seconds for some fourteen states that need each other, and gains a third at most."""
 LIBRARY = frozenset({"exp", "expm1", "log", "pow", "sin", "cos", "tan", "atan", "tanh"})
 """Functions of the C library that machine code may call."""
 
@@ -34,7 +37,7 @@ def machine_function(name: str, source: str) -> Callable[..., None]:
         f"machine code {binding.llvm_version_info} {described} {source}",
         lambda: base64.b64encode(_machine_code(source)).decode(),
     )
-    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _target_machine())
+    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _target_machine(SPEED_LEVEL))
     _ENGINES.append(engine)
     engine.add_object_file(binding.ObjectFileRef.from_data(base64.b64decode(encoded)))
     engine.finalize_object()
@@ -44,7 +47,7 @@ def machine_function(name: str, source: str) -> Callable[..., None]:
 
 def _machine_code(source: str) -> bytes:
     module = binding.parse_assembly(source)
-    machine = _target_machine()
+    machine = _target_machine(SPEED_LEVEL if len(source) < LARGE else 0)
     builder = binding.create_pass_builder(machine, binding.create_pipeline_tuning_options(SPEED_LEVEL))
     builder.getModulePassManager().run(module, builder)
     return bytes(machine.emit_object(module))
@@ -66,7 +69,7 @@ def _cpu() -> tuple[str, str]:
     return binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
 
 
-def _target_machine() -> binding.TargetMachine:
+def _target_machine(level: int) -> binding.TargetMachine:
     name, features = _cpu()
     relocation = "static" if _target().name.startswith("x86") else "default"
-    return _target().create_target_machine(name, features, opt=SPEED_LEVEL, reloc=relocation, jit=True)
+    return _target().create_target_machine(name, features, opt=level, reloc=relocation, jit=True)

@@ -89,6 +89,7 @@ def test_a_record_of_a_sine_gives_its_fundamental_and_its_scatter(folder):
         ("frequency_Hz,acceleration_m_s2\n2,1\n", "no column for probe 'tip'"),
         ("frequency_Hz,tip_amplitude\n2,1\n", "expected one column of the excitation"),
         (HEAD, "no rows"),
+        ((HEAD + "2,0.5,3,90\n").replace("\n", "\r"), "no rows"),
         (HEAD.replace("tip_phase_deg", "tip_amplitude") + "2,0.5,3,90\n", "column 'tip_amplitude' is there twice"),
         (HEAD + "2,0.5,3,90\n-4,0.5,1,0\n", "row 3, column 'frequency_Hz'"),
         (HEAD + "2,0,3,90\n", "row 2, column 'acceleration_m_s2'"),
