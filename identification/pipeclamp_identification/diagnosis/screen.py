@@ -65,7 +65,8 @@ class Promise:
 
     Attributes:
         name: the effect.
-        gain: by how much the step lowers the cost.
+        gain: by how much the step lowers the cost; nothing where the tests determine no parameter of the effect, for it
+            is the law's own then.
         starts: where the law with the effect may start, most promising first.
     """
 
@@ -111,7 +112,8 @@ def _promise(structure: Structure, problem: Problem, law: Judged, name: str) -> 
         law_there = unfitted(larger, problem.coarse, starts[0].values).law_force
         if refusal := no_force(larger, problem.coarse, law_there):
             raise refusal
-    return Promise(name, law.result.cost - starts[0].cost, starts)
+    own = set(starts[0].step.free) - set(law.result.law.values)
+    return Promise(name, law.result.cost - starts[0].cost if own else 0.0, starts)
 
 
 def _starts(

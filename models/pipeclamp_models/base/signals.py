@@ -13,7 +13,7 @@ REFERENCES: Mapping[str, float] = {"A_0": 1, "f_0": 1, "T_0": 20 + CELSIUS, "v_0
 
 Part = Literal["base", "clamp", "rig"]
 """What an effect belongs to: a base law, the clamp itself, or the rig that it was tested on."""
-Role = Literal["stiffness", "damping", "slip", "sticking", "relaxation"]
+Role = Literal["stiffness", "damping", "slip", "sticking", "relaxation", "series"]
 """What a coefficient does, by which effects may scale it."""
 
 CONDITION = "u_"

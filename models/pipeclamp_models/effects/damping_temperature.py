@@ -1,4 +1,7 @@
-"""Damping over temperature: c times exp(c_T1 t + c_T2 t^2 + c_T3 t^3), t = (T - T0)/100 K."""
+"""Damping over temperature: c times exp(c_T1 t + c_T2 t^2 + c_T3 t^3), t = (T - T0)/100 K.
+
+A spring that it is driven through, an oil damper's or an inner mass's, has a factor exp(k_cT t) of its own.
+"""
 
 import sympy as sp
 
@@ -6,7 +9,7 @@ from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import JIANG, NASHIF
 from pipeclamp_models.equations.symbols import T_0, T
 
-c_T1, c_T2, c_T3 = sp.symbols("c_T1 c_T2 c_T3", real=True)
+c_T1, c_T2, c_T3, k_cT = sp.symbols("c_T1 c_T2 c_T3 k_cT", real=True)
 t = (T - T_0) / 100
 
 EFFECT = Effect(
@@ -44,6 +47,17 @@ EFFECT = Effect(
             known_within=1 / 3,
         ),
         Parameter(c_T3, "-", "its change per (100 K)^3", 0.0, -0.5, 0.5, neutral=0.0, follows=(T,), levels=4),
+        Parameter(
+            k_cT,
+            "-",
+            "log change per 100 K of the spring that an oil damper or an inner mass is driven through",
+            0.0,
+            -2.0,
+            2.0,
+            neutral=0.0,
+            follows=(T,),
+            if_scaled=True,
+        ),
     ),
-    scales={"damping": sp.exp(c_T1 * t + c_T2 * t**2 + c_T3 * t**3)},
+    scales={"damping": sp.exp(c_T1 * t + c_T2 * t**2 + c_T3 * t**3), "series": sp.exp(k_cT * t)},
 )

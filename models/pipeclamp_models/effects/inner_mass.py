@@ -1,10 +1,10 @@
 """A mass inside, driven through a spring: q = k_i (y - x), m_i dx'/dt = q - losses; fluid in an inertia track is one.
 
 The mass is k_i/(2 pi f_i)^2; its losses are 2 zeta_i of critical damping, and b_i m_i |x'| x' of turbulent flow. What
-thins the fluid, as warmth does, lessens the former, and leaves the latter as they are. A step
-takes the spring's force and the mass's velocity at their means over it (implicit midpoint), where the quadratic has one
-root. What the step dissipates is then exactly what the losses take at the mean velocity, however long it is; its error
-falls with the square of h.
+thins the fluid, as warmth does, lessens the former, and leaves the latter as they are; what softens the spring leaves
+the mass as it is. A step takes the spring's force and the mass's velocity at their means over it (implicit midpoint),
+where the quadratic has one root. What the step dissipates is then exactly what the losses take at the mean velocity,
+however long it is; its error falls with the square of h.
 """
 
 import sympy as sp
@@ -24,13 +24,13 @@ from pipeclamp_models.equations.symbols import (
 )
 
 k_i, f_i, zeta_i, b_i = sp.symbols("k_i f_i zeta_i b_i", real=True)
-thickness = sp.Symbol("mu_i", positive=True)
+thickness, stiffer = sp.symbols("mu_i stiffer_i", positive=True)
 q_i, s_i, mean = sp.symbols("q_i s_i s_i_mean", real=True)
 turn = 2 * sp.pi * f_i
 move = y - y_previous
 
-pushed = 2 * s_i + h * turn**2 * (q_i * compliance(k_i) + move / 2)
-linear = 2 + 2 * h * thickness * zeta_i * turn + (h * turn) ** 2 / 2
+pushed = 2 * s_i + h * turn**2 * (q_i * compliance(k_i) + stiffer * move / 2)
+linear = 2 + 2 * h * thickness * zeta_i * turn + stiffer * (h * turn) ** 2 / 2
 frequencies = (f_highest, 2 * f_highest, sp.sqrt(f_typical * f_highest), f_typical)
 
 EFFECT = Effect(
@@ -59,7 +59,10 @@ EFFECT = Effect(
             upper=100.0 / A_typical, neutral=0.0,
         ),
     ),
-    coefficients=(Coefficient(thickness, "-", "damping", sp.Integer(1)),),
+    coefficients=(
+        Coefficient(thickness, "-", "damping", sp.Integer(1)),
+        Coefficient(stiffer, "-", "series", sp.Integer(1)),
+    ),
     force=q_i,
     stages=(
         Stage(
@@ -68,8 +71,8 @@ EFFECT = Effect(
         ),
     ),
     states=(
-        State(q_i, "N", "force of the spring that drives the mass", update=q_i + k_i * (move - h * mean)),
+        State(q_i, "N", "force of the spring that drives the mass", update=q_i + k_i * stiffer * (move - h * mean)),
         State(s_i, "mm/s", "velocity of the mass", update=2 * mean - s_i),
     ),
-    energy=compliance(k_i) * q_i**2 / 2 + k_i / turn**2 * s_i**2 / 2,
+    energy=compliance(k_i * stiffer) * q_i**2 / 2 + k_i / turn**2 * s_i**2 / 2,
 )  # fmt: skip

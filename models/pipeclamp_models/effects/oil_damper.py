@@ -26,6 +26,7 @@ from pipeclamp_models.equations.symbols import (
 
 k_o, F_o, v_o, a_o, p_o, q = sp.symbols("k_oil F_oil v_oil a_oil p_oil q_oil", real=True)
 thickness = sp.Symbol("mu_oil", positive=True)
+spring = sp.Symbol("spring_oil", real=True)
 speed, held, at_first, midway = sp.symbols("speed_oil held_oil rate_oil rate_oil_midway", real=True)
 move = y - y_previous
 
@@ -69,7 +70,7 @@ def rate(force: sp.Expr) -> sp.Expr:
     left = held - force
     gone = sp.Abs(left) <= REACHED * F_o
     whole = sp.Piecewise((1, gone), (left, True))
-    return k_o * sp.Piecewise((h * v_relief / F_o, gone), ((move - h * speed_under(force)) / whole, True))
+    return spring * sp.Piecewise((h * v_relief / F_o, gone), ((move - h * speed_under(force)) / whole, True))
 
 
 def after(falls: sp.Expr) -> sp.Expr:
@@ -112,7 +113,7 @@ EFFECT = Effect(
             neutral=1.0,
         ),
     ),
-    coefficients=(Coefficient(thickness, "-", "damping", sp.Integer(1)),),
+    coefficients=(Coefficient(thickness, "-", "damping", sp.Integer(1)), Coefficient(spring, "N/mm", "series", k_o)),
     force=q,
     stages=(
         Stage(speed, "mm/s", "mean speed of the step", sp.Piecewise((move / h, h > 0), (0, True))),
@@ -121,7 +122,7 @@ EFFECT = Effect(
         Stage(midway, "-", "rate at which it nears it midway", rate(after(at_first / 2))),
     ),
     states=(
-        State(q, "N", "force of the damper", update=sp.Piecewise((after(midway), h > 0), (q + k_o * move, True))),
+        State(q, "N", "force of the damper", update=sp.Piecewise((after(midway), h > 0), (q + spring * move, True))),
     ),
-    energy=compliance(k_o) * q**2 / 2,
+    energy=compliance(spring) * q**2 / 2,
 )  # fmt: skip

@@ -207,6 +207,19 @@ def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign
     assert {start.values["tau"] for start in promise.starts} == {law.result.law.values["tau"]}
 
 
+def test_what_follows_a_condition_that_no_test_varies_promises_nothing(campaign):
+    """A friction wedge at one temperature: the law's own fit went on, and `slip_temperature` seemed to take 6 %."""
+    tests = campaign(("memory",), replace(PLAN, temperatures=(20.0,)), k_s=900.0, z_s=120.0)
+    structure = Structure("power", ("memory",))
+    problem, fitted = prepare(structure, loops_of(tests))
+    law = judge((), structure, [fitted.law.values], problem)
+    short_of_its_end = replace(law, result=replace(law.result, cost=1.2 * law.result.cost))
+    ids = ["slip_temperature", "damping_temperature", "viscous"]
+    gains = {one.name: one.gain for one in screened(structure, problem, short_of_its_end, ALONE, ids)}
+    assert gains.pop("viscous") > 0
+    assert gains == {"slip_temperature": 0.0, "damping_temperature": 0.0}
+
+
 def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):
     """Over frequency it rises and falls as nothing in the catalogue: two fit it against each other, neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)

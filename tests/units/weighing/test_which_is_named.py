@@ -185,12 +185,12 @@ def test_of_what_may_be_form_an_effect_takes_half_of_the_fit_to_all_tests(left, 
 
 @pytest.mark.parametrize("rivals", [1, 2])
 def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(rivals, monkeypatch):
-    """An asymmetry and a slip that is pressed came as near each other as a gas spring was ahead of both.
+    """An asymmetry and another effect came as near each other as a gas spring was ahead of both.
 
     And of a relaxation that spreads the relaxation alone had been named, with the other in the reason.
     """
     general, special = candidate("gas_spring", 7.0, 70.0), candidate("asymmetry", 8.0, 100.0)
-    rival, law = candidate("pressed_slip", 8.0, 101.0), candidate("", 100.0, 1000.0)
+    rival, law = candidate("directional_damping", 8.0, 101.0), candidate("", 100.0, 1000.0)
     for each in (general, special, rival):
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
@@ -201,21 +201,21 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(r
     others = [special, rival][:rivals]
     found = weighed(law, [general, *others])
     assert (found.verdict, found.kind) == ("ambiguous", "part")
-    assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")[: 1 + rivals]
+    assert found.effects == ("gas_spring", "asymmetry", "directional_damping")[: 1 + rivals]
 
 
 @pytest.mark.parametrize(
     ("chance", "of_rival", "named"),
     [
         (0.5, 0.0, ("gas_spring", "asymmetry")),
-        (0.5, 0.5, ("gas_spring", "asymmetry", "pressed_slip")),
-        (0.0, 0.0, ("pressed_slip", "asymmetry")),
+        (0.5, 0.5, ("gas_spring", "asymmetry", "directional_damping")),
+        (0.0, 0.0, ("directional_damping", "asymmetry")),
     ],
 )
 def test_rivals_by_a_form_that_none_has_give_way_to_a_general_effect_that_has_it(chance, of_rival, named, monkeypatch):
     """A gas spring left scatter alone, far likelier than any other, and was the fourth of five not to be told apart."""
     general, special = candidate("gas_spring", 7.0, 70.0), candidate("asymmetry", 8.0, 101.0)
-    rival, law = candidate("pressed_slip", 8.0, 100.0), candidate("", 100.0, 1000.0)
+    rival, law = candidate("directional_damping", 8.0, 100.0), candidate("", 100.0, 1000.0)
     for each, p_value in ((general, chance), (special, 0.0), (rival, of_rival)):
         each.lack = SimpleNamespace(p_value=p_value, share=0.05, sure_share=0.05)
     alike = (special, rival)
@@ -275,16 +275,16 @@ def test_a_general_effect_that_takes_of_a_form_that_neither_has_must_leave_less_
 
 
 def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypatch):
-    """Of a weak gas spring, first of all, an asymmetry and a slip that is pressed had been named, and it not."""
+    """Of a weak gas spring, first of all, an asymmetry and another effect had been named, and it not."""
     general, special = candidate("gas_spring", 7.0, 90.0), candidate("asymmetry", 8.0, 100.0)
-    rival, law = candidate("pressed_slip", 8.0, 91.0), candidate("", 100.0, 1000.0)
+    rival, law = candidate("directional_damping", 8.0, 91.0), candidate("", 100.0, 1000.0)
     for each in (general, special, rival):
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
     stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if one not in (best, law)])
     found = weighed(law, [general, special, rival])
     assert (found.verdict, found.kind) == ("ambiguous", "cause")
-    assert sorted(found.effects) == ["asymmetry", "gas_spring", "pressed_slip"]
+    assert sorted(found.effects) == ["asymmetry", "directional_damping", "gas_spring"]
 
 
 @pytest.mark.parametrize(("left", "names"), [(0.31, ("end_stop", "gap")), (0.5, ("end_stop",))])
