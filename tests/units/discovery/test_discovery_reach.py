@@ -89,7 +89,7 @@ def test_a_stiffness_may_fall_by_a_step_over_the_temperature():
     (step,) = (one for one in terms(("T",), {}) if one.declaration.id == "found_stiffness_step_t")
     (factor,) = step.effect.scales.values()
     slope = sp.diff(sp.log(factor), sp.Symbol(RATE, real=True))
-    assert bent(slope, {"l_x": 400.0, "w_x": 30.0}, wanted, T=T) < CLOSELY
+    assert bent(slope, {"l_x": 400.0, "a_x": 3.0}, wanted, T=T) < CLOSELY
 
 
 def test_a_stop_may_be_nearer_when_hot():
