@@ -7,7 +7,8 @@ import pytest
 from test_discovery_grammar import SIZES, function, motion
 from test_discovery_refined import VARIED, force_of, values_of
 
-from pipeclamp_identification.discovery.following import LEVEL, WIDTH, followed_otherwise
+from pipeclamp_identification.discovery.conditions import LEVEL, STEEPNESS
+from pipeclamp_identification.discovery.following import followed_otherwise
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, terms
 from pipeclamp_identification.discovery.refining import Refining
@@ -64,7 +65,13 @@ def test_nothing_steps_about_a_level_beyond_the_tests():
 @pytest.mark.parametrize(("signal", "low", "level", "high"), [("a", 0.0, 0.4, 5.0), ("t", 150.0, 400.0, 2000.0)])
 def test_each_form_goes_where_it_says(signal, low, level, high):
     plain = BY_ID["viscous_damping"]
-    known = {**REFERENCES, "v": 7.0, "F_x": 1.0, LEVEL: level, WIDTH: 0.01 * level}
+    known = {
+        **REFERENCES,
+        "v": 7.0,
+        "F_x": 1.0,
+        LEVEL: level,
+        STEEPNESS: 100 * (100.0 if signal == "t" else 1.0) / level,
+    }
     whole = float(function(plain.effect.force)(**known))
     ends = {"beyond": (0.0, None), "below": (None, 0.0), "setting_in": (0.0, 1.0), "fading": (1.0, 0.0)}
     for name, shares in ends.items():

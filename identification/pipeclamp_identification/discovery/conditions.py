@@ -7,9 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pipeclamp_identification.discovery.shapes import Entry
+from pipeclamp_models.base.signals import REFERENCES
+from pipeclamp_models.base.units import CELSIUS
 
 ABOVE_ZERO = 0.001
 """Share of a further column's largest value that is added to it, for it may be zero."""
+
+LEVEL, STEEPNESS = "l_x", "a_x"
+"""Symbols of the level about which something changes, and of how steeply it does."""
+NARROWEST = 0.01
+"""Share of a condition's range within which nothing tested changes faster."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +48,31 @@ class Followed:
     def within_tests(self) -> Entry:
         """The bounds of a level about which something steps: beyond the tests nothing shows a step."""
         return {"lower": "T_lowest", "upper": "T_highest"} if self.symbol == "T" else {"upper": self.reach}
+
+    @property
+    def past(self) -> str:
+        """How far the signal lies past the level `LEVEL`, times how steeply something changes there."""
+        return f"abs({STEEPNESS}) * ({self.symbol} - {LEVEL}) / {self.step}"
+
+    def width(self, steepness: float) -> float:
+        """Within how much of the signal something changes, in the signal's unit."""
+        return float(REFERENCES.get(self.step, self.step)) / abs(steepness)
+
+    def steepness(self, *widths: float) -> Entry:
+        """How steeply something changes about a level, as a number that is as small as the tests allow.
+
+        Where a change lies between two neighbouring levels of few, the tests tell neither where nor within how much:
+        of all that fit as well the most gradual is meant, and with it the place midway. So this has a prior about zero,
+        a third of its bounds wide, as a width, which it is one over, could have none. Its sign says nothing.
+
+        Args:
+            widths: within which it changes, as shares of the range, where fits begin.
+        """
+        sharpest = f"{1 / NARROWEST:g} * {self.step} / {self.reach}"
+        return {"symbol": STEEPNESS, "unit": "-", "meaning": f"steepness of the change, for each {self.step_in_words}",
+                "neutral": 0.0, "follows": (self.symbol,),
+                "start": tuple(f"{1 / width:g} * {self.step} / {self.reach}" for width in widths),
+                "lower": f"-{sharpest}", "upper": sharpest}  # fmt: skip
 
 
 FOLLOWED = {
@@ -74,6 +106,13 @@ def followed_signal(signal: str, conditions: Mapping[str, float]) -> Followed:
         symbol, signal, "in its name", f"{symbol} / {size}", size, f"{size} of {signal}",
         (0.3 * largest, 0.6 * largest), size, signal,
     )  # fmt: skip
+
+
+def shown(name: str, value: float) -> str:
+    """Give a value of a signal that may be followed for people, with its unit."""
+    if name not in FOLLOWED:
+        return f"{value:.3g}"
+    return f"{value - CELSIUS:.3g} °C" if name == "T" else f"{value:.3g} {FOLLOWED[name].unit}".removesuffix(" -")
 
 
 def named(column: str) -> str:

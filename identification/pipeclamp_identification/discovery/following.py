@@ -10,13 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.discovery.conditions import SCALED, Followed, Scale, followed_signal, scales_of
+from pipeclamp_identification.discovery.conditions import (
+    LEVEL,
+    SCALED,
+    Followed,
+    Scale,
+    followed_signal,
+    scales_of,
+)
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, id_of
 from pipeclamp_identification.discovery.shapes import RATE, STRENGTH, Entry, scaling
 from pipeclamp_models.law.declaration import Declaration
 
-LEVEL, WIDTH = "l_x", "k_x"
-"""Symbols of the level about which a strength changes, and of within how much of the condition."""
 START_WIDTH = 0.15
 """Of the condition's range, where fits begin."""
 
@@ -59,16 +64,13 @@ def followed_otherwise(term: Term, varied: Sequence[str], conditions: Mapping[st
 
 def _forms(followed: Followed) -> Iterator[Following]:
     """Give the forms in which a strength may follow a signal."""
-    plain, name, reach = followed.symbol, followed.name, followed.reach
+    plain, name = followed.symbol, followed.name
     if not followed.column:  # a further column is scaled so to begin with
         yield Following("exponential", f"exp({RATE} * {followed.pure})", f"exponentially with the {name}",
                         (scaling(f"by how much it follows the {name}", -0.5, 0.5),))  # fmt: skip
     level: Entry = {"symbol": LEVEL, "unit": followed.unit, "meaning": f"level of the {name} about which it changes",
              "start": followed.bends}  # fmt: skip
-    width: Entry = {"symbol": WIDTH, "unit": followed.unit, "meaning": f"change of the {name} in which it does",
-             "start": (f"{START_WIDTH} * {reach}",) * 2, "lower": f"0.01 * {reach}",
-             "upper": f"3 * {reach}"}  # fmt: skip
-    turned = f"({plain} - {LEVEL}) / sqrt(({plain} - {LEVEL})**2 + {WIDTH}**2)"
+    turned = f"{followed.past} / sqrt(1 + ({followed.past})**2)"
     yield Following(
         "beyond", f"(max({plain} - {LEVEL}, 0) / {followed.step})", f"from a level of the {name} on", (level,)
     )
@@ -76,7 +78,7 @@ def _forms(followed: Followed) -> Iterator[Following]:
     if plain != "T":  # what is far from zero levels off nowhere
         yield Following("levelling", f"(abs({plain}) / (abs({plain}) + abs({LEVEL})))",
                         f"with the {name} and levelling off", (level,))  # fmt: skip
-    about = ({**level, **followed.within_tests}, width)
+    about = ({**level, **followed.within_tests}, followed.steepness(START_WIDTH, START_WIDTH))
     yield Following("setting_in", f"((1 + {turned}) / 2)", f"setting in about a level of the {name}", about)
     yield Following("fading", f"((1 - {turned}) / 2)", f"fading about a level of the {name}", about)
 

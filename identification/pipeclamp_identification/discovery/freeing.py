@@ -11,13 +11,12 @@ import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from pipeclamp_identification.discovery.conditions import SCALED, Scale, scales_of
-from pipeclamp_identification.discovery.following import LEVEL, WIDTH
+from pipeclamp_identification.discovery.conditions import LEVEL, SCALED, STEEPNESS, Scale, scales_of
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, id_of, linear_symbol
 from pipeclamp_identification.discovery.shapes import LENGTH, RATE, SPEED, STRENGTH, Entry
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 
-EXPONENT, SMOOTH, MOVED = ("e_x", "j_x"), ("d_x", "b_x"), ("n_x", "i_x", "o_x")
+EXPONENT, SMOOTH, MOVED = ("e_x", "j_x"), ("d_x", "f_x"), ("n_x", "i_x", "o_x")
 """Symbols of what a refined term has more, the first that it hasn't got."""
 FIXED_EXPONENT = re.compile(r"\)\*\*(\d+(?:\.\d+)?)(?![\w.])")
 """A group's fixed exponent."""
@@ -61,7 +60,7 @@ def _follows(term: Term, table: ParameterTable, scale: Scale) -> bool:
 
     Of a factor over it, and of a strength that changes about a level of it, that level moving with it says nothing.
     """
-    declaration, of_strength = term.declaration, table.symbol in (STRENGTH, LEVEL, WIDTH)
+    declaration, of_strength = term.declaration, table.symbol in (STRENGTH, LEVEL, STEEPNESS)
     if of_strength and scale.factor in (declaration.force or ""):
         return True
     bent = of_strength and any(one.symbol == LEVEL for one in declaration.parameters)

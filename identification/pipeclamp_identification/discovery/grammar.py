@@ -18,6 +18,7 @@ from functools import cached_property
 from pipeclamp_identification.discovery.conditions import (
     ABOVE_ZERO,
     FOLLOWED,
+    LEVEL,
     SCALED,
     Scale,
     followed_signal,
@@ -133,11 +134,8 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     followed = followed_signal(signal, conditions)
     plain, pure, name = followed.symbol, followed.pure, followed.name
     above = {"T": "T / T_0", "N": "1 + N"}.get(signal, f"abs({pure}) + {ABOVE_ZERO}" if followed.column else pure)
-    level: Entry = {"symbol": "l_x", "unit": followed.unit, "meaning": f"level of {signal} at which it changes",
+    level: Entry = {"symbol": LEVEL, "unit": followed.unit, "meaning": f"level of {signal} at which it changes",
              "start": followed.bends}  # fmt: skip
-    width: Entry = {"symbol": "w_x", "unit": followed.unit, "meaning": f"change of {signal} in which it steps",
-             "start": (f"0.05 * {followed.reach}", f"0.15 * {followed.reach}"),
-             "lower": f"0.01 * {followed.reach}", "upper": followed.reach}  # fmt: skip
     stepped: Entry = {**level, **followed.within_tests}
     past = f"(max({plain} - l_x, 0) / {followed.step})**1"
     forms: list[tuple[str, str, str, tuple[Entry, ...]]] = [
@@ -146,7 +144,7 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         ("bent", f"({pure})**2", "changes with the square of", ()),
         ("beyond", past, "changes exponentially beyond a level of", (level,)),
         ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
-        ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (stepped, width)),
+        ("step", f"(1 + tanh({followed.past})) / 2", "steps at a level of", (stepped, followed.steepness(0.05, 0.15))),
     ]
     if signal != "T":
         forms.append(("growing", f"log(1 + abs({plain} / l_x))", "changes beyond a level with a power of", (level,)))

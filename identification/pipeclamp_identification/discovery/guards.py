@@ -15,6 +15,8 @@ from pipeclamp_identification.diagnosis.noise import WhitenedObservations, noise
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD, SAME_ERROR_SHARE
+from pipeclamp_identification.discovery.conditions import FOLLOWED, LEVEL, STEEPNESS, followed_signal, shown
+from pipeclamp_identification.discovery.grammar import Term
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.fitting.resampling import draws, share_of_gains
@@ -149,6 +151,34 @@ def worse_between_levels(law: Judged, found: Judged, problem: Problem) -> str:
         return ""
     names = " and ".join(worse)
     return f"left out, a {names} between others is foretold worse with it than without: test at more levels of {names}"
+
+
+def changes_untested(term: Term, law: Law, problem: Problem) -> str:
+    """Say that a term changes between two neighbouring levels tested, and at neither of them; else nothing.
+
+    Its place, and how gradual it is, are then what was meant beforehand, and no error bar says so.
+
+    Args:
+        term: the term.
+        law: the law with it, fitted.
+        problem: the tests.
+    """
+    own = {one.name: one for one in term.effect.parameters}
+    if not {LEVEL, STEEPNESS} <= own.keys():
+        return ""
+    signal, level = str(own[STEEPNESS].follows[0]), law.values[LEVEL]
+    values = problem.observations.motion.slow[signal][:, 0]
+    columns = {name: float(np.max(np.abs(values))) for name in term.declaration.conditions}  # one, or none
+    name = signal if signal in FOLLOWED else next(iter(columns))
+    followed = followed_signal(name, columns)
+    tested = [float(np.mean(values[one.rows])) for one in number_levels(values, relative=SAME_SHARE)]
+    below, above = [one for one in tested if one <= level], [one for one in tested if one > level]
+    if not below or not above or min(level - below[-1], above[0] - level) < followed.width(law.values[STEEPNESS]):
+        return ""
+    return (
+        f"between {shown(name, below[-1])} and {shown(name, above[0])} no test shows where it changes with the "
+        f"{followed.name}: midway, and as gradually as the tests allow, is meant; test between them"
+    )
 
 
 def foretold_worse(without: float, with_it: float) -> bool:

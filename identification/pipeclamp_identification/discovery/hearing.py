@@ -18,6 +18,7 @@ from pipeclamp_identification.discovery.guards import (
     as_well_in_draws,
     beyond_chance,
     beyond_the_tests,
+    changes_untested,
     comes_back,
     confirmed,
     not_in_the_catalogue,
@@ -274,7 +275,8 @@ class Hearing:
         )  # fmt: skip
         rivals = self.rivals_of(best, rivals)
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
-        caution = worse_between_levels(law, found, problem)
+        cautions = (worse_between_levels(law, found, problem), changes_untested(best.term, found.result.law, problem))
+        caution = "; ".join(filter(None, cautions))
         return TermFound(
             best.term, found, law, tuple(RivalTerm(one.term) for one in rivals), telling, guards, self.gone, caution
         )

@@ -239,6 +239,13 @@ def elements() -> Iterator[Shape]:
             f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (time,),
             state(f"({strained}) / (1 + h / t_x * abs({strained})**{power})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
         )  # fmt: skip
+    # a polymer flows in proportion to a small force, and far faster under a large one: a pure power has no beginning
+    eased = f"(1 + (abs({strained}) * A_0 / q_x)**2)"
+    yield Shape(
+        "easing_relaxing", "z_x", "a spring whose force creeps away in a time, and faster where it is strained far",
+        (TIME, {**_length("strain at which it creeps twice as fast", 0.05, 0.2), "symbol": "q_x"}),
+        state(f"({strained}) / (1 + h / t_x * {eased})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
+    )  # fmt: skip
 
 
 def moved_by_temperature() -> Iterator[tuple[Family, Shape]]:

@@ -18,7 +18,9 @@ from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.run_scatter import RunScatter
 from pipeclamp_identification.discovery import discover, guards
 from pipeclamp_identification.discovery.columns import TermColumn
+from pipeclamp_identification.discovery.conditions import LEVEL, STEEPNESS
 from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
+from pipeclamp_identification.discovery.freeing import EXPONENT, MOVED, SMOOTH
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
     Guard,
@@ -44,6 +46,7 @@ from pipeclamp_identification.discovery.hearing import (
     screened_beside,
     worth_their_length,
 )
+from pipeclamp_identification.discovery.joining import SHARE
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened_columns
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -396,7 +399,8 @@ def test_a_term_shares_no_symbol_with_the_catalogue():
     """Any of its effects may stand in the law already, or join it later."""
     every = [term.declaration for term in terms(("A", "f", "T", "N"), {"current_A": 1.0})]
     own = {one.symbol for declaration in every for one in (*declaration.parameters, *declaration.states)}
-    assert not own & symbols_taken()
+    refined = {*EXPONENT, *SMOOTH, *MOVED, SHARE, LEVEL, STEEPNESS}
+    assert not (own | refined) & symbols_taken()
     bend = next(one for one in every if one.id == "found_stiffness_beyond_a")
     taken = {"l_1", "F_1"}
     assert {one.symbol for one in renamed(bend, taken).parameters}.isdisjoint(taken)

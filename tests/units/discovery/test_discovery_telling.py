@@ -38,7 +38,7 @@ def test_what_lies_between_the_temperatures_tested_is_told_there(tmp_path):
     (step,) = (term for term in terms(("A", "f", "T"), {}) if term.declaration.id == "found_stiffness_step_t")
     structure = with_effect(law.structure.with_declared([step.declaration]), step.declaration.id)
     one, other = (
-        Law(structure, {**law.values, "s_x": -0.2, "l_x": 273.15 + level, "w_x": 5.0}, law.v_r, law.y_r)
+        Law(structure, {**law.values, "s_x": -0.2, "l_x": 273.15 + level, "a_x": 20.0}, law.v_r, law.y_r)
         for level in (150.0, 190.0)
     )
     assert "T = 170 °C" in telling_test(one, other, loops)
