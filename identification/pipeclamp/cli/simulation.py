@@ -117,7 +117,7 @@ def build_fmu(
     ] = False,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
-    from pipeclamp.show.law import of_rig_words
+    from pipeclamp.show.of_rig import of_rig_words
     from pipeclamp_fmu.build import build_clamp, build_native_clamp, passivity
     from pipeclamp_fmu.contents.clamp_model import ClampStart
     from pipeclamp_fmu.contents.clamp_of_law import clamp_model

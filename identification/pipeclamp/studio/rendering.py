@@ -12,8 +12,8 @@ from pipeclamp.api.tests import Tests
 from pipeclamp.pages.page import drawn_of, templates_of
 from pipeclamp.pages.sweeps import of_energy, sweep_sections
 from pipeclamp.pages.waterfall import USED, RungBars, waterfall_picture
-from pipeclamp.show.law import of_rig_words
 from pipeclamp.show.metrics import MEANINGS_STATED, metric_campaign_words, metric_table
+from pipeclamp.show.of_rig import of_rig_words
 from pipeclamp.show.table import cell
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened, OpenedMetrics

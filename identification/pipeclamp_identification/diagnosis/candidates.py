@@ -301,7 +301,9 @@ def twins(
             larger = with_effect(structure, twin.effects[0])
             if fits_beside(larger, stays):
                 both, alone = with_effect(larger, stays), twin.result.law.values
-                starts = [both.own(start) for start in ({**alone, **values}, {**values, **alone})]
+                # what is there only where the one scales what the other brings is in neither
+                rest = {one.name: one.neutral for one in both.equations.parameters if one.neutral is not None}
+                starts = [both.own({**rest, **start}) for start in ({**alone, **values}, {**values, **alone})]
                 in_order = most_promising_first(both, problem.coarse, starts)
                 contenders.append(Contender((twin.effects[0], stays), both, in_order))
     return ranked(each for each in judge_each(contenders, problem, workers) if not each.objections)

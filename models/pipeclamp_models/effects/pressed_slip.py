@@ -13,7 +13,7 @@ from pipeclamp_models.equations.literature import SHERIF, WHITEMAN, YANG
 from pipeclamp_models.equations.symbols import A_typical, F_typical, y, y_previous
 
 z_0, mu_p, mu_n, x_n, w_n = sp.symbols("z_0 mu_p mu_n x_n w_n", real=True)
-middle, positive, negative = sp.symbols("slip_0 slip_gp slip_gn", real=True)
+middle, positive, negative = sp.symbols("slip_0 nu_p nu_n", real=True)
 trial, start = w_n + (y - y_previous) / x_n, y - x_n * w_n
 
 
