@@ -72,7 +72,7 @@ EFFECT = Effect(
         ),
         Parameter(
             x_n, "mm", "way until it slips", tuple(share * A_typical for share in (0.05, 0.1, 0.1, 0.3)),
-            lower=1e-3 * A_typical, upper=2 * A_typical,
+            lower=1e-3 * A_typical, upper=A_typical,
         ),
     ),
     coefficients=(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.diagnosis.objections import reservations
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Structure
@@ -14,32 +15,46 @@ NOISE = 0.005
 POINTS, CYCLES = 400, 4
 
 
-@pytest.fixture
-def wedge(tmp_path):
+def loops_of(folder, force_of, amplitudes=(0.5, 1.0, 2.0, 4.0)):
+    """Write and read loops of a device whose force along a displacement force_of gives."""
     rng = np.random.default_rng(7)
     rows = ["run,file,amplitude_mm,frequency_Hz"]
-    for amplitude in (0.5, 1.0, 2.0, 4.0):
+    for amplitude in amplitudes:
         for frequency in (0.5, 2.0):
             phase = np.arange(POINTS * (CYCLES + 1)) / POINTS
             y = amplitude * np.sin(2 * np.pi * phase)
-            share = np.zeros(y.size)
-            for place, move in enumerate(np.diff(y), 1):
-                share[place] = np.clip(share[place - 1] + move / WAY, -1.0, 1.0)
-            force = STIFFNESS * y + (LOAD + GROWTH * y) * share
-            force += rng.normal(0, NOISE * np.std(force), y.size)
+            force = force_of(y)
+            force = force + rng.normal(0, NOISE * np.std(force), y.size)
             settled = phase >= 1.0
             name = f"{amplitude:g}_{frequency:g}.csv"
             table = np.column_stack([phase / frequency, y, force])[settled]
-            np.savetxt(tmp_path / name, table, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
+            np.savetxt(folder / name, table, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
             rows.append(f"{name},{name},{amplitude},{frequency}")
-    (tmp_path / "runs.csv").write_text("\n".join(rows), encoding="utf-8")
-    (tmp_path / "campaign.toml").write_text('name = "wedge"', encoding="utf-8")
-    return read_campaign(tmp_path)
+    (folder / "runs.csv").write_text("\n".join(rows), encoding="utf-8")
+    (folder / "campaign.toml").write_text('name = "friction"', encoding="utf-8")
+    return read_campaign(folder)
 
 
-def test_the_pressing_force_may_fall_to_one_side(wedge):
-    identified = identify(wedge, Structure("power", ("pressed_slip",)))
-    file = law_file(identified, wedge, name="law", provenance=Provenance("test"))
+def wedge(y):
+    share = np.zeros(y.size)
+    for place, move in enumerate(np.diff(y), 1):
+        share[place] = np.clip(share[place - 1] + move / WAY, -1.0, 1.0)
+    return STIFFNESS * y + (LOAD + GROWTH * y) * share
+
+
+def test_the_pressing_force_may_fall_to_one_side(tmp_path):
+    loops = loops_of(tmp_path, wedge)
+    identified = identify(loops, Structure("power", ("pressed_slip",)))
+    file = law_file(identified, loops, name="law", provenance=Provenance("test"))
     assert file.fit.nrmse < 1.1 * file.fit.noise_nrmse
     assert file.coefficients["mu_p"].value == pytest.approx(GROWTH, rel=0.05)
     assert file.coefficients["mu_n"].value == pytest.approx(-GROWTH, rel=0.05)
+
+
+def test_what_never_slips_is_no_slip(tmp_path):
+    """A spring that is stiffer on one side acts as pressed friction that sticks, which had been called its cause."""
+    loops = loops_of(tmp_path, lambda y: STIFFNESS * y + GROWTH * y**2, (1.0, 1.3, 1.6, 2.0))
+    identified = identify(loops, Structure("power", ("pressed_slip",)))
+    file = law_file(identified, loops, name="law", provenance=Provenance("test"))
+    assert file.fit.nrmse > 2 * file.fit.noise_nrmse
+    assert any(words.startswith("x_n ran into its bound") for words in reservations(("pressed_slip",), identified.fit))

@@ -66,6 +66,7 @@ def test_several_tests_of_one_file_are_tables(tmp_path):
         ('{"a": [1, 2', "no whole JSON file"),
         ('{"name": "x", "n": 3}', "holds no channel of numbers; expected JSON"),
         ("[" * 4000 + "]" * 4000, "no whole JSON file|nested too deeply"),
+        ('{"schema": "pipeclamp-law-1", "covariance": [1.0, 2.0]}', r"was written by pipeclamp \(pipeclamp-law-1\)"),
     ],
 )
 def test_what_is_no_table_is_told_in_a_sentence(tmp_path, content, words):

@@ -20,7 +20,10 @@ BEGINS = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:\{\s*[\"}]|\[\s*[\[{])")
 
 def read(path: Path) -> Sequence[RawTable]:
     """Read a table for each object that holds lists of samples, and of rows that are objects."""
-    held = _held(_loaded(path.read_text(encoding="utf-8-sig")))
+    loaded = _loaded(path.read_text(encoding="utf-8-sig"))
+    if isinstance(loaded, dict) and str(schema := loaded.get("schema", "")).startswith("pipeclamp-"):
+        raise Damaged(f"was written by pipeclamp ({schema}), and holds no test; expected a test machine's file")
+    held = _held(loaded)
     return tables_of(held if isinstance(held, Mapping) else {"rows": held})
 
 
