@@ -176,9 +176,9 @@ def _without_mean(
         sines: of those, by name.
     """
     stated = [row.run for row in rows if row.mean_known is False]
-    open_ = [row.run for row in rows if row.mean_known is None]
+    unstated = [row.run for row in rows if row.mean_known is None]
     even = {run: one.even for run, (row, one) in sines.items() if row.mean_known is None}
-    found = open_ if lack_means(list(even.values())) else []
+    found = unstated if lack_means(list(even.values())) else []
     words = []
     if stated:
         words.append(
