@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from effects_alone import force_of_effects
 
 from pipeclamp_models.law.law import Structure
-from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 
 SLOPE, BEND, SOFTER = -0.3, 0.1, -0.15
@@ -26,10 +26,7 @@ STIFFNESS = {
 
 def force_at(temperature, effects, values):
     """Force of a clamp that has nothing but effects."""
-    equations = Structure("power", effects).equations
-    given = dict.fromkeys(equations.names, 0.0) | {"alpha0": 1.0} | values
-    motion = sinusoids(np.array([0.2, 1.0]), np.array([2.0, 2.0]), temperature, 256)
-    return force_of_equations(equations, [given[name] for name in equations.names], (0.01, 0.001), motion).force
+    return force_of_effects(effects, values, sinusoids(np.array([0.2, 1.0]), np.array([2.0, 2.0]), temperature, 256))
 
 
 @pytest.mark.parametrize("element", ELEMENTS)

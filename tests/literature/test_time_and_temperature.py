@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from effects_alone import force_of_effects
 
-from pipeclamp_models.law.law import Structure
-from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 
 C1, C2 = 8.86, 101.6
@@ -17,10 +16,7 @@ ARMS = {
 
 def force_at(temperature, frequency, effects, values):
     """Force of a clamp that has nothing but effects, at phases of the cycle."""
-    equations = Structure("power", effects).equations
-    given = dict.fromkeys(equations.names, 0.0) | {"alpha0": 1.0} | values
-    motion = sinusoids(np.array([0.5]), np.array([frequency]), temperature, 256)
-    return force_of_equations(equations, [given[name] for name in equations.names], (0.01, 0.001), motion).force
+    return force_of_effects(effects, values, sinusoids(np.array([0.5]), np.array([frequency]), temperature, 256))
 
 
 @pytest.mark.parametrize("arms", ARMS)

@@ -30,7 +30,7 @@ MEASURED_DIGITS = 3
 TEXT_COLUMNS = ("run", "file", "specimen", "motion", "mean_force")
 MOTIONS = ("sine", "free")
 """What a run's displacement follows: a sine, which is usual, or anything that begins at rest."""
-MEANS = ("known", "unknown")
+MEANS = MappingProxyType({"known": True, "unknown": False})
 """Whether a record's mean force counts: a piezoelectric cell has none, and one that was set to zero a wrong one."""
 OF_SINES = ("amplitude_mm", "frequency_Hz")
 """Numbers that a free motion doesn't have."""
@@ -335,7 +335,7 @@ def _run_row(
         ),
         metrics=_metrics(path, row, named) if without_record else {},
         free=free,
-        mean_known={"": None, "known": True, "unknown": False}[_word(path, row, named, "mean_force", MEANS)],
+        mean_known=MEANS.get(_word(path, row, named, "mean_force", tuple(MEANS))),
     )
 
 
@@ -352,7 +352,7 @@ def _word(path: Path, row: int, named: Mapping[str, str], column: str, words: Se
 
 def _is_free(path: Path, row: int, named: Mapping[str, str], without_record: bool) -> bool:
     """Tell whether a row's motion is free; one that then states a sine, or has no record, is refused."""
-    if _word(path, row, named, "motion", MOTIONS) in ("", "sine"):
+    if _word(path, row, named, "motion", MOTIONS) != "free":
         return False
     if without_record:
         raise UserError(

@@ -115,6 +115,7 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
     whose: dict[str, str] = {}
     taken: set[str] = set()
     free = any(campaign.free for campaign in campaigns)
+    words = {known: word for word, known in MEANS.items()}
     means_known = all(run.mean_known for one in campaigns for runs in (one.runs, one.free) for run in runs)
     for campaign in campaigns:
         if campaign.time_measured is not campaigns[0].time_measured:
@@ -150,6 +151,6 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 "density_g_cm3": run.setup.density_g_cm3,
                 **{column: None if math.isnan(value := run.setup.conditions[column]) else value for column in columns},
                 "first_cycle": run.setup.first_cycle,
-                **({} if means_known else {"mean_force": MEANS[0 if run.mean_known else 1]}),
+                **({} if means_known else {"mean_force": words[run.mean_known]}),
             }
             yield WrittenRun(row, run.record)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_identification.diagnosis.objections import reservations
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance
@@ -18,21 +20,18 @@ POINTS, CYCLES = 400, 4
 def loops_of(folder, force_of, amplitudes=(0.5, 1.0, 2.0, 4.0)):
     """Write and read loops of a device whose force along a displacement force_of gives."""
     rng = np.random.default_rng(7)
-    rows = ["run,file,amplitude_mm,frequency_Hz"]
+    runs = []
     for amplitude in amplitudes:
         for frequency in (0.5, 2.0):
             phase = np.arange(POINTS * (CYCLES + 1)) / POINTS
             y = amplitude * np.sin(2 * np.pi * phase)
             force = force_of(y)
             force = force + rng.normal(0, NOISE * np.std(force), y.size)
+            row = {"run": f"{amplitude:g}_{frequency:g}", "amplitude_mm": amplitude, "frequency_Hz": frequency}
             settled = phase >= 1.0
-            name = f"{amplitude:g}_{frequency:g}.csv"
-            table = np.column_stack([phase / frequency, y, force])[settled]
-            np.savetxt(folder / name, table, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
-            rows.append(f"{name},{name},{amplitude},{frequency}")
-    (folder / "runs.csv").write_text("\n".join(rows), encoding="utf-8")
-    (folder / "campaign.toml").write_text('name = "friction"', encoding="utf-8")
-    return read_campaign(folder)
+            runs.append(WrittenRun(row, Record(phase[settled] / frequency, y[settled], force[settled])))
+    write_campaign(folder / "tests", iter(runs), name="friction", notes="")
+    return read_campaign(folder / "tests")
 
 
 def wedge(y):

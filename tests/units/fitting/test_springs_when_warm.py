@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance
 from pipeclamp_models.law.law import Structure
@@ -21,7 +23,7 @@ NOISE = 0.003
 @pytest.fixture
 def damper(tmp_path):
     rng = np.random.default_rng(3)
-    rows = ["run,file,amplitude_mm,frequency_Hz,temperature_C"]
+    runs = []
     for temperature in TEMPERATURES:
         warmer = (temperature - 20) / 100
         spring, dashpot = SPRING * np.exp(SOFTER * warmer), DASHPOT * np.exp(THINNER * warmer)
@@ -32,13 +34,11 @@ def damper(tmp_path):
                 time = np.arange(600) / (150 * frequency)
                 motion = amplitude * np.exp(turn * time)
                 force = (stiffness * motion).imag + rng.normal(0, NOISE * abs(stiffness * amplitude), time.size)
-                name = f"{amplitude:g}_{temperature:g}_{frequency:g}.csv"
-                table = np.column_stack([time, motion.imag, force])
-                np.savetxt(tmp_path / name, table, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
-                rows.append(f"{name},{name},{amplitude},{frequency},{temperature}")
-    (tmp_path / "runs.csv").write_text("\n".join(rows), encoding="utf-8")
-    (tmp_path / "campaign.toml").write_text('name = "damper"', encoding="utf-8")
-    return read_campaign(tmp_path)
+                row = {"run": f"{amplitude:g}_{temperature:g}_{frequency:g}", "amplitude_mm": amplitude}
+                row |= {"frequency_Hz": frequency, "temperature_C": temperature}
+                runs.append(WrittenRun(row, Record(time, motion.imag, force)))
+    write_campaign(tmp_path / "tests", iter(runs), name="damper", notes="")
+    return read_campaign(tmp_path / "tests")
 
 
 def test_a_damper_whose_spring_softens_is_followed(damper):

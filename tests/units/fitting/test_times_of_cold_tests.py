@@ -5,6 +5,8 @@ import pytest
 from few_effects import few_effects
 
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.joint.starts import kept
@@ -24,7 +26,7 @@ NOISE = 0.002
 @pytest.fixture
 def cold_tests(tmp_path):
     rng = np.random.default_rng(3)
-    rows = ["run,file,amplitude_mm,frequency_Hz,temperature_C"]
+    runs = []
     for temperature in TEMPERATURES:
         shift = 10 ** (-C1 * (temperature - 20) / (C2 + temperature - 20))
         for frequency in FREQUENCIES:
@@ -34,13 +36,10 @@ def cold_tests(tmp_path):
             motion = np.exp(turn * time)
             force = (complex_stiffness * motion).imag
             force += rng.normal(0, NOISE * abs(complex_stiffness), time.size)
-            name = f"{temperature:g}_{frequency:g}.csv"
-            table = np.column_stack([time, motion.imag, force])
-            np.savetxt(tmp_path / name, table, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
-            rows.append(f"{name},{name},1,{frequency},{temperature}")
-    (tmp_path / "runs.csv").write_text("\n".join(rows), encoding="utf-8")
-    (tmp_path / "campaign.toml").write_text('name = "cold"', encoding="utf-8")
-    return read_campaign(tmp_path)
+            row = {"run": f"{temperature:g}_{frequency:g}", "amplitude_mm": 1.0, "frequency_Hz": frequency}
+            runs.append(WrittenRun(row | {"temperature_C": temperature}, Record(time, motion.imag, force)))
+    write_campaign(tmp_path / "tests", iter(runs), name="cold", notes="")
+    return read_campaign(tmp_path / "tests")
 
 
 def test_the_arm_that_was_fitted_at_all_temperatures_is_found_at_its_own(cold_tests):
