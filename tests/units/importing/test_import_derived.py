@@ -94,6 +94,12 @@ def test_what_can_be_integrated_is_said(tmp_path):
         pc.import_files(folder, tmp_path / "tests")
 
 
+def test_samples_of_an_acceleration_need_no_channel_of_time_to_be_integrated(tmp_path):
+    (tmp_path / "a.csv").write_text("Acc [g];Load (N)\n" + "\n".join(f"{n % 7};{n % 5}" for n in range(50)))
+    with pytest.raises(UserError, match=r"but 'Acc \[g\]' can be integrated to one"):
+        pc.import_files(tmp_path / "a.csv", tmp_path / "tests", rate=100.0)
+
+
 def test_without_a_time_nothing_is_integrated(tmp_path):
     folder = file_of(tmp_path / "files", "Acc [g]", sine(1.0, 5.0), np.arange(0, 2, 1e-3), "test")
     with pytest.raises(UserError, match="can't be integrated where time was not measured"):

@@ -20,8 +20,9 @@ SIGNS = re.compile(r" ([+-]) ")
 
 @dataclass(frozen=True)
 class Combined:
-    """Channels and how they count."""
+    """Channels, how they count, and what comes of them is called."""
 
+    name: str
     channels: tuple[Channel, ...]
     weights: tuple[float, ...]
 
@@ -42,17 +43,16 @@ def with_combined(table: RawTable, stated: Sequence[Stated]) -> RawTable:
         found = None if channels_called(table, one.channel) else _combined(table, one.channel)
         if found is None:
             continue
-        name, combined = found
-        units = {unit_of(channel) for channel in combined.channels}
+        units = {unit_of(channel) for channel in found.channels}
         if len(units) > 1:
             raise UserError(
                 f"--columns, {one.ours}={one.channel}: "
-                f"{' and '.join(repr(channel.heading) for channel in combined.channels)} are in different units; "
+                f"{' and '.join(repr(channel.heading) for channel in found.channels)} are in different units; "
                 "expected channels of one unit"
             )
-        values = np.stack([channel.values for channel in combined.channels])
-        made.append(Channel(name, units.pop(), np.asarray(np.tensordot(combined.weights, values, 1))))
-        parts += combined.channels
+        values = np.stack([channel.values for channel in found.channels])
+        made.append(Channel(found.name, units.pop(), np.asarray(np.tensordot(found.weights, values, 1))))
+        parts += found.channels
     if not made:
         return table
     kept = {channel.heading for one in stated for channel in channels_called(table, one.channel)}
@@ -60,8 +60,8 @@ def with_combined(table: RawTable, stated: Sequence[Stated]) -> RawTable:
     return replace(table, channels=(*(one for one in table.channels if one.heading not in gone), *made))
 
 
-def _combined(table: RawTable, text: str) -> tuple[str, Combined] | None:
-    """Give what a text makes of a table's channels, and what that is called; None where it names none of them.
+def _combined(table: RawTable, text: str) -> Combined | None:
+    """Give what a text makes of a table's channels; None where it names none of them.
 
     A unit may stand behind all of it, where the file states none.
     """
@@ -70,7 +70,7 @@ def _combined(table: RawTable, text: str) -> tuple[str, Combined] | None:
         for names, weights in _ways(body):
             channels = [channels_called(table, name) for name in names]
             if all(len(called) == 1 for called in channels):
-                return body, Combined(tuple(called[0] for called in channels), tuple(weights))
+                return Combined(body, tuple(called[0] for called in channels), tuple(weights))
     return None
 
 

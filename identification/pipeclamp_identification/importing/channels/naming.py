@@ -153,10 +153,13 @@ def is_extreme(quantity: Quantity, channel: Channel) -> bool:
     return fits_unit(quantity, unit_of(channel)) and not EXTREMES.isdisjoint(words) and _is_named(quantity, words, True)
 
 
-def is_rate(channel: Channel) -> bool:
-    """Tell whether a channel is in a unit of speed or acceleration; g is one where it isn't called a force."""
-    unit = unit_of(channel)
-    return bool(unit) and conversion_of_rate(unit) is not None and not _is_named("force", words_of(channel.name), True)
+def integrations_of(channel: Channel) -> int:
+    """Give how often a channel is integrated to a displacement: once in a unit of speed, twice of acceleration, else 0.
+
+    What is called a force isn't, for g is a unit of both.
+    """
+    rate = conversion_of_rate(unit_of(channel))
+    return 0 if rate is None or _is_named("force", words_of(channel.name), True) else rate.integrated
 
 
 def is_frequency(channel: Channel) -> bool:

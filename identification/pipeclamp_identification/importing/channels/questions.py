@@ -10,11 +10,11 @@ import numpy as np
 from pipeclamp_identification.importing.channels.naming import (
     SEGMENT,
     fits_unit,
+    integrations_of,
     is_count,
     is_extreme,
     is_frequency,
     is_of_another,
-    is_rate,
     is_something_else,
     rank,
     serves,
@@ -157,8 +157,10 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel], s
         why = f"{reached[0].heading!r} is what a cycle reached, no sample of the {quantity}: take the file of samples"
         return Question(quantity, why, (), is_missing=True)
     likely = _likely(quantity, channels)
-    rates = [one for one in channels if is_rate(one)] if quantity == "displacement" else []
-    integrable = rates if any(rank("time", one) >= NAMED for one in table.channels) else []
+    rates = [one for one in channels if integrations_of(one)] if quantity == "displacement" else []
+    # forces stand over speeds in tables without a time, too, but over no accelerations
+    timed = any(rank("time", one) >= NAMED for one in table.channels)
+    integrable = [one for one in rates if timed or integrations_of(one) > 1]
     if rates:
         likely = [*integrable, *(one for one in likely if not quantity_of_unit(unit_of(one)) and one not in rates)]
     if integrable:
@@ -253,7 +255,7 @@ def _with_unit(quantity: Quantity, channel: Channel) -> str:
     What is measured in volts or parts of a hundred must be said what one of them is: [1 N] leaves the number to change.
     """
     unit, ours = unit_of(channel), unit_shown(OURS[quantity])
-    if fits_unit(quantity, unit) or (quantity == "displacement" and is_rate(channel)):
+    if fits_unit(quantity, unit) or (quantity == "displacement" and integrations_of(channel)):
         return channel.heading
     scaled = unit not in NO_UNIT and is_unit(unit) and not quantity_of_unit(unit)
     return f"{channel.heading} [{'1 ' if scaled else ''}{ours}]"

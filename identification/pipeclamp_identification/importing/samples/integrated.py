@@ -52,9 +52,7 @@ def integrated(record: Record, times: int, *, free: bool = False) -> Record:
     first, last = np.searchsorted(time, [half, time[-1] - half])
     whole, inner = CubicSpline(time, moved).antiderivative(), time[first:last]
     mean = (whole(inner + half) - whole(inner - half)) * frequency
-    return replace(record, displacement_mm=np.pad(moved[first:last] - mean, (first, len(time) - last))).part(
-        first, last
-    )
+    return replace(record.part(first, last), displacement_mm=moved[first:last] - mean)
 
 
 def _frequency_of(record: Record) -> float | None:
