@@ -41,7 +41,7 @@ def work_beyond(side: int, growth: sp.Expr) -> sp.Expr:
 
 size = F_typical / A_typical
 growths = ((0.15, 0.15), (0.1, -0.03), (-0.03, 0.1), (0.15, 0.15))
-pressing = middle + positive * pressing_way(sp.Max(y, 0), positive) + negative * pressing_way(sp.Max(-y, 0), negative)
+pressing = middle + positive * sp.Max(y, 0) + negative * sp.Max(-y, 0)
 
 EFFECT = Effect(
     id="pressed_slip",
