@@ -335,24 +335,24 @@ def _run_row(
         ),
         metrics=_metrics(path, row, named) if without_record else {},
         free=free,
-        mean_known=MEANS.get(_word(path, row, named, "mean_force", tuple(MEANS))),
+        mean_known=MEANS.get(_word(path, row, named, "mean_force", tuple(MEANS), "where the runs tell")),
     )
 
 
-def _word(path: Path, row: int, named: Mapping[str, str], column: str, words: Sequence[str]) -> str:
-    """Give what a row says in a column, one of a few words, or nothing."""
+def _word(path: Path, row: int, named: Mapping[str, str], column: str, words: Sequence[str], blank: str) -> str:
+    """Give what a row says in a column, one of a few words, or nothing; `blank` says what that means."""
     cell = named.get(column, "")
     if cell and cell not in words:
         raise UserError(
             f"{path}, row {row}, column {column!r}: got {cell!r}; {did_you_mean(cell, words)}expected one of "
-            f"{', '.join(words)}, or a blank cell"
+            f"{', '.join(words)}, or a blank cell {blank}"
         )
     return cell
 
 
 def _is_free(path: Path, row: int, named: Mapping[str, str], without_record: bool) -> bool:
     """Tell whether a row's motion is free; one that then states a sine, or has no record, is refused."""
-    if _word(path, row, named, "motion", MOTIONS) != "free":
+    if _word(path, row, named, "motion", MOTIONS, "for a sine") != "free":
         return False
     if without_record:
         raise UserError(
