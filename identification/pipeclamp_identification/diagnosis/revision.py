@@ -96,6 +96,43 @@ def _does_as_well(other: Judged, asked: RevisedLaw) -> bool:
     return bool(gain.sum() < doubt and share_of_error(asked.law, other) < MATERIAL_PART_SHARE)
 
 
+def without_spare_powers(asked: RevisedLaw, progress: Progress) -> Structure | None:
+    """Give the law with those powers of the amplitude held at 0 that its memory spares; None where it needs each.
+
+    The base's coefficients follow A, which along a sine stands for all that has gone before. A law with memory knows
+    that by itself, and along other motions by that alone: there such powers lead astray. Held are as many as the law
+    does as well without on left-out conditions and in the fit to all tests, parameters counted, those first that the
+    tests determine least.
+
+    Args:
+        asked: the law.
+        progress: is told what is being done.
+    """
+    if not asked.structure.equations.states:
+        return None
+    powers = _amplitude_powers(asked)
+    for count in range(len(powers), 0, -1):
+        progress(f"does the law do as well without {' and '.join(powers[:count])}?")
+        frozen = (*asked.structure.frozen, *((name, 0.0) for name in powers[:count]))
+        without = replace(asked.structure, frozen=tuple(sorted(frozen)))
+        judged = judge((), without, [asked.values], asked.problem)
+        if _does_as_well(judged, asked) and judged.akaike < asked.law.akaike:
+            return without
+    return None
+
+
+def _amplitude_powers(asked: RevisedLaw) -> list[str]:
+    """Give the fitted exponents over A of a law's base, those first that the tests determine least."""
+    result, of_base = asked.law.result, find_base(asked.structure.base).terms
+    errors = result.standard_errors()
+    powers = [
+        parameter.name
+        for parameter in result.fitted_parameters
+        if parameter.effect in of_base and parameter.follows == ("A",) and parameter.neutral == 0.0
+    ]
+    return sorted(powers, key=lambda name: abs(asked.values[name]) / errors.get(name, np.inf))
+
+
 def simpler_structure(asked: RevisedLaw, names: Collection[str], workers: Workers) -> Structure | None:
     """Give the law with an effect in one's place that acts alike, and fewer parameters; None where none does as well.
 

@@ -14,7 +14,7 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import HistoryStep, LawFile, NamedKind, Provenance, former_law_of, law_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
-from pipeclamp_models.law.step import BeforeAfter, LawStep
+from pipeclamp_models.law.step import BeforeAfter, LawStep, read_step
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,9 @@ def exchange(
     Raises:
         UserError: the data can't serve it.
     """
-    if structure.base == file.base:
+    if held := tuple(name for name, _ in structure.frozen if file.coefficients[name].state != "held"):
+        step = LawStep(held=held)
+    elif structure.base == file.base:
         come = tuple(name for name in structure.effects if name not in file.effects)
         step = LawStep(come, tuple(name for name in file.effects if name not in structure.effects))
     else:
@@ -209,6 +211,14 @@ def exchange(
     of_parts = any(name not in structure.effects for name in parts_of(file))
     kind: NamedKind | None = "part" if of_parts else None
     return _changed(file, structure, step, tests, provenance=provenance, kind=kind, progress=progress)
+
+
+def _with_powers_free(new: Structure, file: LawFile) -> Structure:
+    """Give a structure with the powers fitted again that the memory of the law so far spared, where it has none."""
+    spared = {name for one in file.history for name in read_step(one.step).held}
+    if not spared or new.equations.states:
+        return new
+    return replace(new, frozen=tuple((name, value) for name, value in new.frozen if name not in spared))
 
 
 def _changed(
@@ -223,6 +233,7 @@ def _changed(
     progress: Progress,
 ) -> LawChange:
     """Refit a law with another structure and state the error before and after."""
+    new = _with_powers_free(new, file)
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, provenance=provenance)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse.before)),)

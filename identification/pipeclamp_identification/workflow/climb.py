@@ -265,13 +265,17 @@ class Climber:
     def _settled(self, place: Place, found: Diagnosed, in_vain: tuple[InVain, ...]) -> Settled | _Onward:
         """End at a place, or go on from the values by which the diagnosis judged the law, where these do better.
 
-        A fit that begins at another law's values may end in a lower valley than the law's own.
+        A fit that begins at another law's values may end in a lower valley than the law's own. Nor is that the end
+        where the law's memory spares it powers of the amplitude: what they imitated may show then.
         """
         if not found.effects and found.values and len(place.ladder) < self.most:
             made, tell = self._provenance(place.file), self.workers.tell
             change = refit(place.file, self.tests, provenance=made, start=found.values, progress=tell)
             if clearly_better(change):
                 return _Onward(place.after(Rung(change, "revision", (OTHER_VALUES,))))
+        spared = self._without_spare_powers(place.file) if len(place.ladder) < self.most else None
+        if spared is not None:
+            return _Onward(place.after(spared))
         return Settled(place.file, found, place.ladder, in_vain)
 
     def _until_one_helps(self, place: Place, found: Diagnosed) -> list[list[LawChange]]:
@@ -349,6 +353,17 @@ class Climber:
             return None
         return Rung(change, "revision", (f"{change.step}: the law does as well with fewer parameters",))
 
+    def _without_spare_powers(self, file: LawFile) -> Rung | None:
+        """Take out the powers of the amplitude that a law's memory spares; None where it needs each.
+
+        Only at the end: while much is missing, next to nothing is seen of a power that is the device's own.
+        """
+        structure = self.tests.without_spare_powers(file, self.workers.tell)
+        if structure is None:
+            return None
+        change = self._exchanged(file, structure)
+        return Rung(change, "revision", (_spared(change),)) if stays_as_good(change) else None
+
     def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
         return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.workers.tell)
 
@@ -391,6 +406,15 @@ def _told_apart(found: Diagnosed) -> str:
 def _kind(found: Diagnosed) -> NamedKind:
     """Say how what is added is meant: the best of several isn't proved by being taken."""
     return "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
+
+
+def _spared(change: LawChange) -> str:
+    """Say that powers of the amplitude went, and why."""
+    names = " and ".join(change.step.held)
+    return (
+        f"the law does as well without {names}: A stands for what has gone before along sines alone, and the law's "
+        "memory knows that along any motion"
+    )
 
 
 def _energy_words(file: LawFile) -> tuple[str, ...]:

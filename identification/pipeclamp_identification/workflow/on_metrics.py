@@ -156,6 +156,10 @@ class MetricTests:
         """Two numbers a run are too few to take effects out again by."""
         return None
 
+    def without_spare_powers(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Two numbers a run are too few to hold powers by."""
+        return None
+
     def simpler_structure(self, file: LawFile, names: Collection[str], workers: Workers) -> Structure | None:
         """Two numbers a run are too few to exchange an effect by."""
         return None

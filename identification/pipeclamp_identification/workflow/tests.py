@@ -235,6 +235,17 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
+    def without_spare_powers(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Give a law without the powers of the amplitude that its memory spares; None where it needs each.
+
+        Args:
+            file: the law.
+            progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the law.
+        """
+
     def simpler_structure(self, file: LawFile, names: Collection[str], workers: Workers) -> Structure | None:
         """Give a law with an effect of fewer parameters, which acts alike and does as well, in the place of one.
 

@@ -1,11 +1,11 @@
-"""A step of a law's way: effects that came, effects that went, another base; and how a file's history writes it."""
+"""A step of a law's way: effects that came or went, another base, what is held; and how a file's history writes it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
-_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE = "+ ", "- ", " -> ", "base ", " alone"
+_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE, _HELD = "+ ", "- ", " -> ", "base ", " alone", "without "
 _REFIT = "a refit"
 _AND = " and "
 
@@ -26,12 +26,14 @@ class LawStep:
         gone: effects that went.
         base: the base that it was put on; empty where it stayed on its own.
         alone: whether all effects went with that.
+        held: parameters of its base that are held where they do nothing.
     """
 
     come: tuple[str, ...] = ()
     gone: tuple[str, ...] = ()
     base: str = ""
     alone: bool = False
+    held: tuple[str, ...] = ()
 
     @property
     def adds(self) -> bool:
@@ -47,6 +49,8 @@ class LawStep:
         """Give it as a law's history has it."""
         if self.base:
             return f"{_ON_BASE}{self.base}{_ALONE if self.alone else ''}"
+        if self.held:
+            return f"{_HELD}{_AND.join(self.held)}"
         if self.come and self.gone:
             return f"{_AND.join(self.gone)}{_IN_PLACE}{_AND.join(self.come)}"
         return f"{_ADDED if self.come else _REMOVED}{self.effect}" if self.effect else _REFIT
@@ -57,6 +61,8 @@ def read_step(text: str) -> LawStep:
     if text.startswith(_ON_BASE):
         base = text.removeprefix(_ON_BASE)
         return LawStep(base=base.removesuffix(_ALONE), alone=base.endswith(_ALONE))
+    if text.startswith(_HELD):
+        return LawStep(held=tuple(text.removeprefix(_HELD).split(_AND)))
     if text.startswith(_ADDED):
         return LawStep(come=tuple(text.removeprefix(_ADDED).split(_AND)))
     if text.startswith(_REMOVED):

@@ -52,6 +52,7 @@ def answering(answers, monkeypatch):
         superfluous=lambda file, keep, progress: None,
         better_structures=lambda file, names, workers: [],
         simpler_structure=lambda file, names, workers: None,
+        without_spare_powers=lambda file, progress: None,
     )
 
 
@@ -215,6 +216,33 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
     assert asked == [{"oil_damper"}]
     samples = BeforeAfter(0.01, 0.02)
     assert auto.add_until_settled(law(), tests, command="test").file.effects == ("memory", "oil_damper")
+
+
+@pytest.mark.parametrize(("after", "ends"), [(0.0101, ["cause", "revision"]), (0.02, ["cause"])])
+def test_at_the_end_powers_of_the_amplitude_go_that_the_memory_spares(after, ends, monkeypatch):
+    """Not where the law then errs more; and the law without them is asked for nothing that it was asked before."""
+    tests = answering({(): found("missing", "cause", "memory"), ("memory",): found("complete")}, monkeypatch)
+    asked = []
+
+    def spared(file, progress):
+        asked.append(file.effects)
+        return SimpleNamespace(effects=file.effects) if len(asked) == 1 else None
+
+    tests.without_spare_powers = spared
+    step = LawStep(held=("k1_A", "k3_A"))
+
+    def held(file, structure, tests, **options):
+        return SimpleNamespace(
+            step=step, after=law(*structure.effects), heldout=BeforeAfter(0.01, after), nrmse=BeforeAfter(0.01, 0.01)
+        )
+
+    monkeypatch.setattr(climb, "exchange", held)
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert [rung.kind for rung in settled.ladder] == ends
+    assert settled.found.verdict == "complete"
+    assert asked == [("memory",)] * len(ends)
+    if ends[-1] == "revision":
+        assert settled.ladder[-1].words[0].startswith("the law does as well without k1_A and k3_A: A stands for")
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,12 @@ from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, parse_limits
 from pipeclamp_identification.diagnosis.further_test.next_test import next_test
 from pipeclamp_identification.diagnosis.problem import judge, prepare, roughly
-from pipeclamp_identification.diagnosis.revision import ask_again, better_structures, simpler_structure
+from pipeclamp_identification.diagnosis.revision import (
+    ask_again,
+    better_structures,
+    simpler_structure,
+    without_spare_powers,
+)
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
@@ -33,7 +38,7 @@ from pipeclamp_identification.fitting.observations import SAMPLES_PER_CYCLE, poi
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow import on_records
 from pipeclamp_identification.workflow.auto import add_until_settled
-from pipeclamp_identification.workflow.change import add_effect
+from pipeclamp_identification.workflow.change import add_effect, exchange, remove_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.processes import ALONE
@@ -404,6 +409,44 @@ def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, h
     asked = ask_again(identify(tests, Structure(effects=(taken,))).fit.law, loops_of(tests))
     assert simpler_structure(asked, (), ALONE) is None
     assert simpler_structure(asked, (taken,), ALONE) == (expected and Structure("power", (expected,)))
+
+
+POWERS = {"k1_A": 0.0, "k3_A": 0.0, "c_A": 0.0, "alpha_A": 0.0}
+"""Of the amplitude, in the base law."""
+
+
+@pytest.mark.parametrize(
+    ("effects", "values", "held"),
+    [
+        (("memory",), {**POWERS, "k_s": 600.0, "z_s": 120.0}, set(POWERS)),
+        (("memory",), {**POWERS, "k_s": 600.0, "z_s": 120.0, "k1_A": -0.3}, {"k3_A", "c_A", "alpha_A"}),
+        (("hardening",), {**POWERS, "k5": 300.0}, None),
+    ],
+)
+def test_a_law_with_memory_is_spared_the_powers_of_the_amplitude_that_the_device_lacks(campaign, effects, values, held):
+    """What the device has stays, and a law without memory is asked for none: A is all that it knows of the past."""
+    tests = campaign(effects, TWO_TEMPERATURES, **values)
+    asked = ask_again(identify(tests, Structure(effects=effects)).fit.law, loops_of(tests))
+    without = without_spare_powers(asked, silent)
+    if held is None:
+        assert without is None
+    else:
+        assert dict(without.frozen) == dict.fromkeys(held, 0.0)
+        assert replace(without, frozen=()) == asked.structure
+
+
+def test_powers_that_memory_spared_are_fitted_again_where_it_goes(campaign):
+    runs = campaign(("memory",), TWO_TEMPERATURES, **POWERS, k_s=600.0, z_s=120.0)
+    tests, made = RecordTests(runs), Provenance("test")
+    structure = Structure(effects=("memory",))
+    file = law_file(identify(runs, structure), runs, name="base", provenance=made)
+    spared = exchange(file, replace(structure, frozen=(("k1_A", 0.0),)), tests, provenance=made)
+    assert str(spared.step) == "without k1_A"
+    entry = spared.after.coefficients["k1_A"]
+    assert (entry.value, entry.state, entry.reason) == (0.0, "held", "held where it does nothing")
+    with_offset = add_effect(spared.after, "offset", tests, provenance=made).after
+    assert with_offset.coefficients["k1_A"].state == "held"
+    assert remove_effect(with_offset, "memory", tests, provenance=made).after.coefficients["k1_A"].state == "fitted"
 
 
 def test_no_next_test_without_rivals(campaign):

@@ -11,6 +11,7 @@ STEPS = {
     "memory and play -> slip_spread": LawStep(("slip_spread",), ("memory", "play")),
     "base series:1:3": LawStep(base="series:1:3"),
     "base series alone": LawStep(base="series", alone=True),
+    "without k1_A and k3_A": LawStep(held=("k1_A", "k3_A")),
 }
 
 

@@ -10,6 +10,7 @@ from pipeclamp_models.law.law import Equations, Structure, find_base
 
 HELD = "held by the law's structure"
 WISHED = "held by wish"
+IDLE = "held where it does nothing"
 DENIED = "at rest before the tests there is no such force"
 STATED = "taken from the tests: others are stated at it"
 ONE_AMPLITUDE = "A doesn't vary, and without records nothing shows the loops' shape"
@@ -56,5 +57,11 @@ def varies_in_amplitude(observations: Observations) -> bool:
 def not_fitted(structure: Structure, equations: Equations, observations: Observations) -> dict[str, str]:
     """Give the parameters that aren't fitted, with the reason: held by the base's form, by wish, or undetermined."""
     fixed = find_base(structure.base).fixed
-    held = {name: HELD if fixed.get(name) == value else WISHED for name, value in structure.held().items()}
-    return {**undetermined(equations, observations), **{name: held[name] for name in held if name in equations.names}}
+    held = structure.held()
+    reasons = undetermined(equations, observations)
+    for parameter in equations.parameters:
+        value = held.get(parameter.name)
+        if value is not None:
+            idle = IDLE if value == parameter.neutral else WISHED
+            reasons[parameter.name] = HELD if fixed.get(parameter.name) == value else idle
+    return reasons
