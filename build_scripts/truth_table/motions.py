@@ -29,10 +29,17 @@ from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.law.file import LawFile, Provenance
 from pipeclamp_models.law.law import Structure
 
-LAWS: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("power", ()), ("memory", ()), ("power", ("bouc_wen",)), ("power", ("slip_spread",)),
-)  # fmt: skip
-"""Base and effects: a law whose coefficients follow A and f alone, and laws with memory."""
+POWERS = tuple((name, 0.0) for name in ("alpha_A", "c_A", "k1_A", "k3_A"))
+"""Of the amplitude, held where they do nothing."""
+LAWS: tuple[Structure, ...] = (
+    Structure(),
+    *(
+        Structure(base, effects, frozen)
+        for base, effects in (("memory", ()), ("power", ("bouc_wen",)), ("power", ("slip_spread",)))
+        for frozen in ((), POWERS)
+    ),
+)
+"""A law whose coefficients follow A and f alone; laws with memory, each with powers of the amplitude and without."""
 DEVICES = ("bouc_wen/", "dahl/", "friction_pendulum/", "iwan/", "drag/", "relief_damper/", "play_and_slip/")
 PERIODS = 20.0
 """Length of a motion, in periods of the middle frequency."""
@@ -103,11 +110,9 @@ def sines(case: DeviceCase, seed: int) -> tuple[Campaign, Campaign]:
     return campaigns[0], campaigns[1]
 
 
-def identified(campaign: Campaign, base: str, effects: tuple[str, ...]) -> LawFile:
+def identified(campaign: Campaign, structure: Structure) -> LawFile:
     """Fit a law to sines."""
-    return law_file(
-        identify(campaign, Structure(base, tuple(effects))), campaign, name=base, provenance=Provenance("motions")
-    )
+    return law_file(identify(campaign, structure), campaign, name=structure.base, provenance=Provenance("motions"))
 
 
 def outside(misfit: FreeMisfit) -> float:
@@ -121,13 +126,14 @@ def lines_of(case: DeviceCase, seed: int) -> list[str]:
     campaign, held_out = sines(case, seed)
     runs = free_runs(case, seed)
     lines = []
-    for base, effects in LAWS:
-        file = identified(campaign, base, effects)
+    for structure in LAWS:
+        file = identified(campaign, structure)
         misfits = {name: free_misfits(file, [run])[0] for name, run in runs.items()}
         errors = [overall_nrmse((one,)) for one in misfits.values()]
         cells = [f"{compare(file, held_out).nrmse:.1%}", *(f"{error:.1%}" for error in errors)]
         cells += [" / ".join(f"{outside(one):.0%}" for one in misfits.values())]
-        lines.append(f"| {case.name} | {' + '.join((base, *effects))} | {' | '.join(cells)} |")
+        law = " + ".join((structure.base, *structure.effects)) + (" without powers of A" if structure.frozen else "")
+        lines.append(f"| {case.name} | {law} | {' | '.join(cells)} |")
     return lines
 
 

@@ -123,14 +123,16 @@ def parts_of(file: LawFile) -> list[str]:
 
 
 def unproved_of(file: LawFile) -> list[str]:
-    """Give what of a law may stand for something else: its parts, and a base that it was put on for its errors.
+    """Give what of a law may stand for something else: its parts, and a base that was changed for its errors.
 
     Not a constant force where most of the force is a constant load: no effect of the motion makes as much of a mean.
     """
-    on_another_base = any(read_step(one.step).base for one in file.history)
+    steps = [read_step(one.step) for one in file.history]
+    bases = [str(LawStep(base=file.base))] if any(step.base for step in steps) else []
+    bases += [f"base {step}" for step in steps if step.held]
     loaded = file.fit is not None and file.fit.mean_share is not None
     parts = [name for name in parts_of(file) if not (loaded and _is_constant(name))]
-    return [*parts, *([str(LawStep(base=file.base))] if on_another_base else [])]
+    return [*parts, *bases]
 
 
 def _is_constant(name: str) -> bool:

@@ -22,7 +22,7 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
-from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, WORTH_POWERS_RATIO
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
@@ -96,29 +96,42 @@ def _does_as_well(other: Judged, asked: RevisedLaw) -> bool:
     return bool(gain.sum() < doubt and share_of_error(asked.law, other) < MATERIAL_PART_SHARE)
 
 
-def without_spare_powers(asked: RevisedLaw, progress: Progress) -> Structure | None:
+def without_spare_powers(asked: RevisedLaw, complete: bool, progress: Progress) -> Structure | None:
     """Give the law with those powers of the amplitude held at 0 that its memory spares; None where it needs each.
 
     The base's coefficients follow A, which along a sine stands for all that has gone before. A law with memory knows
-    that by itself, and along other motions by that alone: there such powers lead astray. Held are as many as the law
-    does as well without on left-out conditions and in the fit to all tests, parameters counted, those first that the
-    tests determine least.
+    that by itself, and along other motions by that alone: there such powers lead astray, by several times what they
+    take from sines. Held are as many as may be, those first that the tests determine least: of a complete law those
+    that it does as well without, in the fit to all tests too, parameters counted; of another one, whose powers may
+    imitate what it lacks, those that take little from its error on left-out conditions.
 
     Args:
         asked: the law.
+        complete: whether nothing is missing.
         progress: is told what is being done.
     """
     if not asked.structure.equations.states:
         return None
+    spares = _is_preferred if complete else _errs_little_more
     powers = _amplitude_powers(asked)
     for count in range(len(powers), 0, -1):
         progress(f"does the law do as well without {' and '.join(powers[:count])}?")
         frozen = (*asked.structure.frozen, *((name, 0.0) for name in powers[:count]))
         without = replace(asked.structure, frozen=tuple(sorted(frozen)))
-        judged = judge((), without, [asked.values], asked.problem)
-        if _does_as_well(judged, asked) and judged.akaike < asked.law.akaike:
+        starts = [asked.values, {**asked.values, **surface_values(without, asked.problem.loops)}]
+        if spares(judge((), without, starts, asked.problem), asked):
             return without
     return None
+
+
+def _is_preferred(other: Judged, asked: RevisedLaw) -> bool:
+    """Tell whether a law with fewer parameters does as well, and the fit to all tests prefers it."""
+    return _does_as_well(other, asked) and other.akaike < asked.law.akaike
+
+
+def _errs_little_more(other: Judged, asked: RevisedLaw) -> bool:
+    """Tell whether a law errs on left-out conditions by next to no more than with the powers that it lacks."""
+    return other.heldout_nrmse <= WORTH_POWERS_RATIO * asked.law.heldout_nrmse
 
 
 def _amplitude_powers(asked: RevisedLaw) -> list[str]:
@@ -148,11 +161,7 @@ def simpler_structure(asked: RevisedLaw, names: Collection[str], workers: Worker
     swaps = [swap for swap in _alike(asked) if swap.gone in names and _parameters(swap.structure) < parameters]
     found = [each for each in _swapped(asked, swaps, workers) if not each.objections]
     simpler = [
-        each
-        for each in found
-        if each.akaike < asked.law.akaike
-        and _does_as_well(each, asked)
-        and _parameters(each.result.law.structure) < parameters
+        each for each in found if _is_preferred(each, asked) and _parameters(each.result.law.structure) < parameters
     ]
     return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 

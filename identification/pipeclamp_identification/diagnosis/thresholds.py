@@ -79,3 +79,6 @@ HALVES_CHANCE = 1e-4
 STILL_AS_GOOD = 1.025
 """An error that rises beyond this ratio does so by a material part: an effect without which it does stays, and values
 with which it falls so far are other ones."""
+WORTH_POWERS_RATIO = 1.1
+"""Beside memory, powers of the amplitude stay in a law that isn't complete where its error rises beyond this ratio
+without them: what they take from sines they cost several times over along motions that are none."""

@@ -164,9 +164,9 @@ def without_spares(
     return steps
 
 
-def stays_as_good(change: LawChange) -> bool:
-    """Tell whether the error on left-out conditions rises by less than a material part, and that of all samples too."""
-    return change.heldout.after <= change.heldout.before * STILL_AS_GOOD and fits_samples(change)
+def stays_as_good(change: LawChange, ratio: float = STILL_AS_GOOD) -> bool:
+    """Tell whether the error on left-out conditions rises by no more than a ratio, and that of all samples too."""
+    return change.heldout.after <= change.heldout.before * ratio and fits_samples(change, ratio)
 
 
 def clearly_better(change: LawChange) -> bool:
@@ -174,13 +174,13 @@ def clearly_better(change: LawChange) -> bool:
     return change.heldout.after * STILL_AS_GOOD < change.heldout.before and change.nrmse.after <= change.nrmse.before
 
 
-def fits_samples(change: LawChange) -> bool:
-    """Tell whether the error of all samples rises by less than a material part.
+def fits_samples(change: LawChange, ratio: float = STILL_AS_GOOD) -> bool:
+    """Tell whether the error of all samples rises by no more than a ratio, by default one that isn't material.
 
     Left-out conditions are foretold in the harmonics that loops keep. What a law does wrong beyond them, at a reversal,
     shows in the samples alone.
     """
-    return change.nrmse.after <= change.nrmse.before * STILL_AS_GOOD
+    return change.nrmse.after <= change.nrmse.before * ratio
 
 
 def as_well_without(change: LawChange, keep: str) -> str:

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, STILL_AS_GOOD, WORTH_POWERS_RATIO
 from pipeclamp_identification.workflow.change import (
     LawChange,
     add_effects,
@@ -273,7 +273,7 @@ class Climber:
             change = refit(place.file, self.tests, provenance=made, start=found.values, progress=tell)
             if clearly_better(change):
                 return _Onward(place.after(Rung(change, "revision", (OTHER_VALUES,))))
-        spared = self._without_spare_powers(place.file) if len(place.ladder) < self.most else None
+        spared = self._without_spare_powers(place.file, found) if len(place.ladder) < self.most else None
         if spared is not None:
             return _Onward(place.after(spared))
         return Settled(place.file, found, place.ladder, in_vain)
@@ -353,16 +353,20 @@ class Climber:
             return None
         return Rung(change, "revision", (f"{change.step}: the law does as well with fewer parameters",))
 
-    def _without_spare_powers(self, file: LawFile) -> Rung | None:
+    def _without_spare_powers(self, file: LawFile, found: Diagnosed) -> Rung | None:
         """Take out the powers of the amplitude that a law's memory spares; None where it needs each.
 
         Only at the end: while much is missing, next to nothing is seen of a power that is the device's own.
         """
-        structure = self.tests.without_spare_powers(file, self.workers.tell)
+        if found.verdict not in ("complete", "unknown"):
+            return None
+        complete = found.verdict == "complete"
+        structure = self.tests.without_spare_powers(file, complete, self.workers.tell)
         if structure is None:
             return None
         change = self._exchanged(file, structure)
-        return Rung(change, "revision", (_spared(change),)) if stays_as_good(change) else None
+        as_good = stays_as_good(change, STILL_AS_GOOD if complete else WORTH_POWERS_RATIO)
+        return Rung(change, "revision", (_spared(change),)) if as_good else None
 
     def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
         return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.workers.tell)
@@ -410,10 +414,9 @@ def _kind(found: Diagnosed) -> NamedKind:
 
 def _spared(change: LawChange) -> str:
     """Say that powers of the amplitude went, and why."""
-    names = " and ".join(change.step.held)
     return (
-        f"the law does as well without {names}: A stands for what has gone before along sines alone, and the law's "
-        "memory knows that along any motion"
+        f"{change.step} the law errs by next to no more: along sines A stands for what has gone before, which the "
+        "law's memory knows along any motion"
     )
 
 

@@ -156,7 +156,7 @@ class MetricTests:
         """Two numbers a run are too few to take effects out again by."""
         return None
 
-    def without_spare_powers(self, file: LawFile, progress: Progress) -> Structure | None:
+    def without_spare_powers(self, file: LawFile, complete: bool, progress: Progress) -> Structure | None:
         """Two numbers a run are too few to hold powers by."""
         return None
 

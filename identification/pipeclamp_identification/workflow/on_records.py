@@ -243,11 +243,11 @@ class RecordTests:
             return None
         return superfluous(self._asked(file), keep, progress)
 
-    def without_spare_powers(self, file: LawFile, progress: Progress) -> Structure | None:
+    def without_spare_powers(self, file: LawFile, complete: bool, progress: Progress) -> Structure | None:
         """Give a law without the powers of the amplitude that it needn't have, see `Tests.without_spare_powers`."""
         from pipeclamp_identification.diagnosis.revision import without_spare_powers
 
-        return without_spare_powers(self._asked(file), progress)
+        return without_spare_powers(self._asked(file), complete, progress)
 
     def simpler_structure(self, file: LawFile, names: Collection[str], workers: Workers) -> Structure | None:
         """Give a law with a simpler effect in the place of one, see `Tests.simpler_structure`."""

@@ -235,11 +235,12 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
-    def without_spare_powers(self, file: LawFile, progress: Progress) -> Structure | None:
+    def without_spare_powers(self, file: LawFile, complete: bool, progress: Progress) -> Structure | None:
         """Give a law without the powers of the amplitude that its memory spares; None where it needs each.
 
         Args:
             file: the law.
+            complete: whether nothing is missing.
             progress: is told what is being done.
 
         Raises:

@@ -26,7 +26,7 @@ class LawStep:
         gone: effects that went.
         base: the base that it was put on; empty where it stayed on its own.
         alone: whether all effects went with that.
-        held: parameters of its base that are held where they do nothing.
+        held: parameters of its base that are held where they do nothing from then on.
     """
 
     come: tuple[str, ...] = ()

@@ -427,7 +427,7 @@ def test_a_law_with_memory_is_spared_the_powers_of_the_amplitude_that_the_device
     """What the device has stays, and a law without memory is asked for none: A is all that it knows of the past."""
     tests = campaign(effects, TWO_TEMPERATURES, **values)
     asked = ask_again(identify(tests, Structure(effects=effects)).fit.law, loops_of(tests))
-    without = without_spare_powers(asked, silent)
+    without = without_spare_powers(asked, complete=True, progress=silent)
     if held is None:
         assert without is None
     else:
