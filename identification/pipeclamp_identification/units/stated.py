@@ -44,6 +44,14 @@ SPELLINGS: Mapping[str, str] = {
     "с": "s", "сек": "s", "мс": "ms", "мм": "mm", "мкм": "um", "н": "N", "кн": "kN", "кгс": "kgf",
 }  # fmt: skip
 """How machines spell units that pint knows by another name; in any case."""
+OF_ONE_CASE: Mapping[str, str] = {
+    unit.casefold(): unit
+    for unit in ("N", "kN", "daN", "Hz", "kHz", "Pa", "kPa", "MPa", "GPa", "kJ", "mm", "cm", "m", "s", "rad", "deg")
+}
+"""Symbols whose capitals names in small letters lose, and headings in capitals gain: "force_n", "FREQ (HZ)". Of mN and
+MN, or mJ and MJ, nobody can tell then; MPa is meant, for no modulus is in mPa."""
+ALONE = frozenset(("M", "S", "m", "s"))
+"""Of these, symbols of another unit where they stand alone in capitals."""
 MEANT: Mapping[Quantity, Mapping[str, str]] = {
     "force": {"kg": "kgf", "g": "gf", "lb": "lbf", "t": "1000 kgf", "to": "1000 kgf", "klb": "kip"},
     "preload": {"kg": "kgf", "lb": "lbf"},
@@ -84,6 +92,7 @@ TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DO
 RATIO = re.compile(r"^[^\s/]+/[^\s/]+$")
 SPELT_RATIO = re.compile(r"^(.*\S)[\s_]+([^\s_,/]+)[\s_]per[\s_]([^\s_,/]+)\s*$", re.DOTALL)
 """A unit with its stroke spelt, behind a name: "stiffness_kN_per_mm"."""
+LETTERS = re.compile(r"[A-Za-z]+")
 WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
 """A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
 SQUARED = re.compile(r"(/ ?s)2$")
@@ -125,7 +134,8 @@ def unit_in_name(name: str) -> tuple[str, str]:
     if (found := SPELT_RATIO.match(text)) and _stands_bare(f"{found[2]}/{found[3]}"):
         return found[1].rstrip(" ,"), f"{found[2]}/{found[3]}"
     if (found := TRAILING.match(text)) and _stands_bare(found[2]):
-        return found[1].removesuffix(" in").rstrip(" ,"), OF_OTHERS.get(found[2], found[2])
+        unit = in_its_case(found[2])
+        return found[1].removesuffix(" in").rstrip(" ,"), OF_OTHERS.get(unit, unit)
     if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):
         return found[1].strip(), found[2]
     return text, ""
@@ -138,7 +148,7 @@ def _normal(text: str) -> str:
 
 def _stands_bare(unit: str) -> bool:
     """Tell whether what stands at the end of a name, parted from it by a blank, a comma or `_`, surely is a unit."""
-    if unit.casefold() in BARE or unit in OF_OTHERS:
+    if unit.casefold() in BARE or in_its_case(unit) in OF_OTHERS:
         return True
     return bool(RATIO.match(unit)) and any(_conversion_to(ours, unit, "") for ours in RATIOS)
 
@@ -183,7 +193,12 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
 
 
 def conversion_of_rate(unit: str) -> Conversion | None:
-    """Give what turns a speed or an acceleration in a unit into mm; None for a unit of neither."""
+    """Give what turns a speed or an acceleration in a unit into mm; None for a unit of neither.
+
+    c is one of temperature here, and not the speed of light.
+    """
+    if unit.strip().casefold() in BARE:
+        return None
     for times, (quantity, ours) in enumerate(RATES.items(), 1):
         if found := _conversion_to(ours, unit, quantity):
             return Conversion(found.factor, integrated=times)
@@ -263,8 +278,15 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
 
 def _spelled(text: str) -> str:
     """Give a unit as pint spells it: "deg_F" and "Deg F" are degF, "Newtons" are newtons."""
-    plain = text.casefold() if WORD.fullmatch(text) else SQUARED.sub(r"\1**2", text)
+    plain = text.casefold() if WORD.fullmatch(text) else SQUARED.sub(r"\1**2", in_its_case(text))
     return SPELLINGS.get(text.casefold().replace("_", " "), plain)
+
+
+def in_its_case(text: str) -> str:
+    """Give a unit whose letters are all small, or all capitals, with the capitals that its symbols have."""
+    if text in ALONE or text not in (text.casefold(), text.upper()):
+        return text
+    return LETTERS.sub(lambda found: OF_ONE_CASE.get(found[0].casefold(), found[0]), text)
 
 
 def _rounded(value: float) -> float:

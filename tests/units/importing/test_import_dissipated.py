@@ -10,7 +10,7 @@ import pytest
 
 import pipeclamp as pc
 from pipeclamp_identification.importing.raw import Channel, RawTable
-from pipeclamp_identification.importing.results.quantities import quantity_of
+from pipeclamp_identification.importing.results.quantities import quantity_of, turned
 from pipeclamp_identification.importing.results.recognised import holds_results
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
@@ -53,6 +53,11 @@ def test_units_with_their_stroke_spelt_and_energies_are_read(name, plain, unit):
 )  # fmt: skip
 def test_the_energy_that_a_cycle_loses_is_told_from_others(name, quantity):
     assert quantity_of(Channel(name, "", np.arange(3.0))) == quantity
+
+
+def test_radians_a_second_in_capitals_are_no_hertz():
+    found = turned("frequency", "RAD/S", "OMEGA")
+    assert found is not None and found.factor == pytest.approx(1 / (2 * np.pi))
 
 
 @pytest.mark.parametrize("beside", ["dynamic", "storage", "force"])

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from pipeclamp_identification.importing.channels.naming import SETTINGS_CALLED, rank, unit_of, words_of
 from pipeclamp_identification.importing.raw import Channel
-from pipeclamp_identification.units.stated import Conversion, conversion, unit_in_name
+from pipeclamp_identification.units.stated import Conversion, conversion, in_its_case, unit_in_name
 from pipeclamp_models.base.errors import UserError
 
 TARGETS: Mapping[str, str] = {
@@ -140,6 +140,7 @@ def turned(quantity: str, unit: str, name: str = "") -> Conversion | None:
         name: of the channel, which may say that amplitudes are from peak to peak, or effective values, and that what
             is counted in a second are radians.
     """
+    unit = in_its_case(unit)
     if quantity == "frequency":
         if PER_SECOND.fullmatch(unicodedata.normalize("NFKC", unit).replace("\u2212", "-").replace(" ", "").casefold()):
             return Conversion(RADIAN if is_angular(name) else 1.0)

@@ -158,7 +158,7 @@ def _unknown_setting(
     target, column = TARGETS[quantity], COLUMNS[quantity]
     given = [_option(one) for one in stated]
     if quantity == "amplitude" and (strains := strains_of(table, columns)):
-        moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table)
+        moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table, columns)
         example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]", *moduli])
         return (
             f"no column is the amplitude in mm, but {few_of([repr(one.heading) for one in strains])}; expected "
@@ -231,9 +231,9 @@ def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
     return ResultColumn(stated.ours, channel, conversion, counts, stated=True)
 
 
-def _moduli(table: RawTable) -> list[str]:
-    """Give options that state the stiffness for a table's moduli of storage and loss; none where it lacks one."""
-    return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table).items()]
+def _moduli(table: RawTable, columns: Mapping[str, ResultColumn]) -> list[str]:
+    """Give options that state the stiffness for a table's moduli; none where these don't do."""
+    return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table, columns).items()]
 
 
 def _amplitude(table: RawTable, columns: Mapping[str, ResultColumn], own: Settings, of_file: Settings) -> Array:
@@ -273,7 +273,7 @@ def _stiffness(
             with np.errstate(divide="ignore", invalid="ignore"):
                 whole = force.values / amplitude
             return _complex(whole * np.cos(angle), whole * np.sin(angle)), [force, lag]
-    if moduli := _moduli(table):
+    if moduli := _moduli(table, columns):
         raise UserError(
             f"its moduli are the material's; expected {SIZE_WORDS}, in the place of {FOR_A_MODULUS}, {PART_SIZE}:\n"
             f"  {columns_option([*map(_option, stated), *moduli])}"
