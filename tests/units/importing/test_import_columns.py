@@ -104,10 +104,18 @@ def test_a_temperature_in_c_is_no_speed_of_light():
         (["time [s]", "y [mm]", "Load"], "force=Load [V] [2 kN]", {"force": ("Load", 2e3)}),
         (["Prüfzeit [s]", "Verformung [mm]", "Prüfkraft [N]"], "", {"displacement": ("Verformung [mm]", 1.0)}),
         (["Temps [s]", "Course [mm]", "Charge [daN]"], "", {"force": ("Charge [daN]", 10.0)}),
+        (["t [m]", "y [mm]", "F [N]"], "", {"time": ("t [m]", 60.0)}),
     ],
 )  # fmt: skip
 def test_channels_are_found(headings, option, expected):
     assert expected.items() <= found(headings, option).items()
+
+
+def test_metres_of_what_has_no_known_name_are_no_minutes():
+    """Beside --rate no channel is the time; a compression in m had been, and nothing was left for the displacement."""
+    mapped = map_columns(table("Jounce compression [m]", "Jounce force [N]"))
+    taken = {column.ours: column.heading for column in mapped.columns}
+    assert taken == {"displacement": "Jounce compression [m]", "force": "Jounce force [N]"}
 
 
 def test_channels_of_one_quantity_are_told_apart_by_their_samples():

@@ -127,7 +127,10 @@ def rank(quantity: Quantity, channel: Channel) -> int:
             return 1
         # a name and a unit: sure; a name alone: its unit must be asked
         return 3 if unit or quantity == SEGMENT else 2
-    if unit and quantity != SEGMENT and not any(_is_named(other, words, True) for other in WORDS if other != quantity):
+    # without a name a unit is of what it is of first: m are metres, and minutes only of what is called a time
+    foremost = quantity_of_unit(unit) in (None, quantity)
+    named_otherwise = any(_is_named(other, words, True) for other in WORDS if other != quantity)
+    if unit and quantity != SEGMENT and foremost and not named_otherwise:
         return 1
     return 0
 
