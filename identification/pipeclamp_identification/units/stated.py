@@ -46,7 +46,10 @@ SPELLINGS: Mapping[str, str] = {
 """How machines spell units that pint knows by another name; in any case."""
 OF_ONE_CASE: Mapping[str, str] = {
     unit.casefold(): unit
-    for unit in ("N", "kN", "daN", "Hz", "kHz", "Pa", "kPa", "MPa", "GPa", "kJ", "mm", "cm", "m", "s", "rad", "deg")
+    for unit in (
+        *("N", "kN", "daN", "kgf", "lb", "lbf", "Hz", "kHz", "Pa", "kPa", "MPa", "GPa", "kJ", "mm", "cm", "m", "um"),
+        *("in", "ft", "s", "ms", "us", "rad", "deg"),
+    )
 }
 """Symbols whose capitals names in small letters lose, and headings in capitals gain: "force_n", "FREQ (HZ)". Of mN and
 MN, or mJ and MJ, nobody can tell then; MPa is meant, for no modulus is in mPa."""
@@ -148,7 +151,10 @@ def _normal(text: str) -> str:
 
 def _stands_bare(unit: str) -> bool:
     """Tell whether what stands at the end of a name, parted from it by a blank, a comma or `_`, surely is a unit."""
-    if unit.casefold() in BARE or in_its_case(unit) in OF_OTHERS:
+    quantity = BARE.get(unit.casefold())
+    if quantity and _conversion_to(OURS[quantity], unit, quantity):  # "load_mn" may be in mN or MN
+        return True
+    if in_its_case(unit) in OF_OTHERS:
         return True
     return bool(RATIO.match(unit)) and any(_conversion_to(ours, unit, "") for ours in RATIOS)
 

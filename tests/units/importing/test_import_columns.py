@@ -38,6 +38,7 @@ def found(headings, option=""):
         ("Channel A", ""), ("Kanal V", ""), ("Temperatura (ºC)", "°C"), ("Temp ˚C", "°C"), ("T [oC]", "oC"),
         ("freq_hz", "Hz"), ("storage_modulus_pa", "Pa"), ("e_storage_mpa", "MPa"), ("FREQ (HZ)", "HZ"),
         ("LOSS MODULUS MPA", "MPa"), ("k_kn_per_mm", "kn/mm"),
+        ("load_mn", ""), ("load_mN", "mN"), ("STROKE (IN)", "IN"), ("LOAD IN LBF", "lbf"),
     ],
 )  # fmt: skip
 def test_units_are_found_in_names(name, unit):
@@ -55,7 +56,8 @@ def test_units_are_found_in_names(name, unit):
         ("force", "KILONEWTONS", 1e3, 0), ("force", "Pounds", 4.4482216152605, 0),
         ("displacement", "Micrometres", 1e-3, 0), ("time", "Milliseconds", 1e-3, 0),
         ("force", "n", 1, 0), ("force", "KN", 1e3, 0), ("force", "mN", 1e-3, 0), ("force", "MN", 1e6, 0),
-        ("displacement", "MM", 1, 0), ("temperature", "c", 1, 0),
+        ("displacement", "MM", 1, 0), ("temperature", "c", 1, 0), ("displacement", "IN", 25.4, 0),
+        ("force", "KGF", 9.80665, 0), ("time", "MS", 1e-3, 0),
     ],
 )  # fmt: skip
 def test_units_are_turned_into_ours(quantity, unit, factor, offset):
