@@ -98,6 +98,8 @@ SPELT_RATIO = re.compile(r"^(.*\S)[\s_]+([^\s_,/]+)[\s_]per[\s_]([^\s_,/]+)\s*$"
 LETTERS = re.compile(r"[A-Za-z]+")
 WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
 """A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
+FORCE_SECONDS = re.compile(r"\b(k?n|lb)f?[ .*·⋅-]?s(?=/)", re.IGNORECASE)
+"""The beginning of a damping coefficient's unit, however it is written: "Ns/mm", "N·s/m", "lb-s/in"."""
 SQUARED = re.compile(r"(/ ?s)2$")
 """The end of an acceleration's unit whose exponent has lost its sign."""
 NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
@@ -156,12 +158,16 @@ def _stands_bare(unit: str) -> bool:
         return True
     if in_its_case(unit) in OF_OTHERS:
         return True
-    return bool(RATIO.match(unit)) and any(_conversion_to(ours, unit, "") for ours in RATIOS)
+    if not RATIO.match(unit):
+        return False
+    # by t/s, a mass, nobody means a damping
+    damping = FORCE_SECONDS.match(unit) and _conversion_to("N*s/mm", unit, "")
+    return bool(damping) or any(_conversion_to(ours, unit, "") for ours in RATIOS)
 
 
 def is_unit(text: str) -> bool:
     """Tell whether a text is the name of a unit, or a number of them."""
-    return any(_conversion_to(unit, text, quantity) for quantity, unit in OURS.items()) or _known(text)
+    return any(_conversion_to(unit, text, quantity) for quantity, unit in OURS.items()) or _known(_of_damping(text))
 
 
 def quantity_of_unit(text: str) -> Quantity | None:
@@ -285,7 +291,14 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
 def _spelled(text: str) -> str:
     """Give a unit as pint spells it: "deg_F" and "Deg F" are degF, "Newtons" are newtons."""
     plain = text.casefold() if WORD.fullmatch(text) else SQUARED.sub(r"\1**2", in_its_case(text))
+    plain = _of_damping(plain)
     return SPELLINGS.get(text.casefold().replace("_", " "), plain)
+
+
+def _of_damping(unit: str) -> str:
+    """Give a damping coefficient's unit as pint reads it; others as they are."""
+    forces = {"n": "N", "kn": "kN", "lb": "lbf"}
+    return FORCE_SECONDS.sub(lambda found: f"{forces[found[1].casefold()]}*s", unit)
 
 
 def in_its_case(text: str) -> str:
