@@ -204,7 +204,8 @@ def test_a_curve_without_a_time_begins_in_no_motion(tmp_path):
     """Of one that isn't closed, and so is free, it had been told that it begins in motion."""
     path = tmp_path / "curve.csv"
     path.write_text("displacement_mm,force_N\n" + "".join(f"{x:g},{3 * x:g}\n" for x in [*range(9), *range(9, 3, -1)]))
-    pc.import_files(path, tmp_path / "c", rate="none")
+    found = pc.import_files(path, tmp_path / "c", rate="none")
+    assert "one way up and back, within 2%: of its two ways one is 56% of the other" in str(found.to_dict()["runs"])
     assert not any("in motion" in words for words in read_campaign(tmp_path / "c").remarks)
 
 
