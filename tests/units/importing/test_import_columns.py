@@ -120,6 +120,22 @@ def test_metres_of_what_has_no_known_name_are_no_minutes():
     assert taken == {"displacement": "Jounce compression [m]", "force": "Jounce force [N]"}
 
 
+def test_a_bearings_load_is_not_its_force():
+    """The load that it bears is called one, its shear had no name: 100 kN that hardly move had been the force."""
+    t = np.arange(40.0)
+    moving, still = 8 * np.sin(t), 100 + 0.3 * np.cos(3 * t)
+
+    def asked(name, option=""):
+        channels = {"time_s": t, "disp_mm": np.sin(t), "vertical_load_kN": still, name: moving}
+        loaded = RawTable("", tuple(Channel(one, "", values) for one, values in channels.items()))
+        return [question.why for question in map_columns(loaded, parse_columns(option)).questions]
+
+    assert asked("shear_kN") == ["2 channels may be the force: 'shear_kN', 'vertical_load_kN'"]
+    # whatever the other one is called
+    assert asked("Ch3_kN") == ["2 channels may be the force: 'Ch3_kN', 'vertical_load_kN'"]
+    assert not asked("shear_kN", "force=shear_kN,load_kN=vertical_load_kN")
+
+
 def test_channels_of_one_quantity_are_told_apart_by_their_samples():
     """Dewesoft gives each channel its own time; Instron's time of a cycle begins anew with each."""
     t = np.arange(40.0)
