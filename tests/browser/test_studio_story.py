@@ -212,3 +212,23 @@ def test_results_are_imported_and_shown_without_loops(page, url, violations):
     assert violations(page) == []
     page.set_viewport_size(NARROW)
     assert soon_no_wider_than_the_window(page)
+
+
+def test_levels_line_up_in_panels_beside_each_other(page, tmp_path):
+    """A level that a panel has no test of takes as much room there; rows had been at another height in each panel."""
+    campaign = tmp_path / "some"
+    pc.rig("emwm2", campaign, amplitudes=(0.3, 0.6, 1.0), frequencies=(2.0,), temperatures=(20.0, 150.0), cycles=3)
+    table = campaign / "runs.csv"
+    lines = table.read_text(encoding="utf-8").splitlines()
+    # the largest amplitude alone was tested hot
+    kept = [line for line in lines if ",150" not in line or line.startswith("A1_")]
+    table.write_text("\n".join(kept) + "\n", encoding="utf-8")
+    with studio_of(str(campaign), tmp_path / "home") as url:
+        page.goto(url)
+        page.wait_for_selector(".panels .cell")
+        heights = page.evaluate(
+            "[...document.querySelectorAll('.panels table')].map(one => "
+            "[...one.tBodies[0].rows].map(row => row.getBoundingClientRect().top))"
+        )
+    assert len(heights) == 2 and len(heights[0]) == 3
+    assert heights[0] == heights[1]

@@ -12,6 +12,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.metrics_only.campaign import MetricRun
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests as AnyTests
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 
@@ -157,7 +158,7 @@ def _span(symbol: str, unit: str, values: Sequence[float]) -> str:
     """Say from where to where a condition goes; nothing where it isn't known."""
     if not values:
         return ""
-    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
+    low, high = plain(min(values), 3), plain(max(values), 3)
     return f"{symbol} {low} {unit}" if low == high else f"{symbol} {low} to {high} {unit}"
 
 

@@ -17,6 +17,7 @@ from pipeclamp_identification.campaign.description import RecordColumn
 from pipeclamp_identification.campaign.records import read_channels
 from pipeclamp_identification.campaign.writing import encoded
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.files import read_content, write_whole
 from pipeclamp_models.base.tables import pl
@@ -162,7 +163,8 @@ class DrivePlan:
         duration = (FULL_CYCLES + 2 * RAMP_CYCLES) / self.frequency_Hz
         return (
             f"{duration:.3g} s: {RAMP_CYCLES} cycles to grow, {FULL_CYCLES} at full amplitude, {RAMP_CYCLES} to fade; "
-            f"at most {self.peak_displacement:.3g} mm, {self.highest_frequency:.3g} Hz, {self.peak_velocity:.3g} mm/s"
+            f"at most {self.peak_displacement:.3g} mm, {self.highest_frequency:.3g} Hz, "
+            f"{plain(self.peak_velocity, 3)} mm/s"
         )
 
 

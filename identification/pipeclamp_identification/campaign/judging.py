@@ -115,7 +115,7 @@ def judge_runs(
             *contradicted,
             *lacking,
             *filter(None, [makes_energy(every), falls_with_displacement(fundamentals)]),
-            *_moving_from_the_start(moving),
+            *(_moving_from_the_start(moving) if time_measured else ()),
         ),
         without_mean=without_mean,
     )

@@ -275,11 +275,12 @@ def contradiction(column: str, settings: Mapping[str, StatedAndShown]) -> str:
     low, high = PEAK_TO_PEAK
     asked = " (stated from peak to peak?)" if column == "amplitude_mm" and low < ratio < high else ""
     return (
-        f"{column} in runs.csv is {_span(stated)}, the records show {_span(shown)}, {ratio:.2g} times as much, in "
-        f"{len(wrong)} of {len(settings)} runs ({few_of([*wrong], MOST_NAMED)}){asked}; what the records show is used"
+        f"{column} in runs.csv is {_span(stated)}, the records show {_span(shown)}, {plain(ratio, 2)} times as much, "
+        f"in {len(wrong)} of {len(settings)} runs ({few_of([*wrong], MOST_NAMED)}){asked}; "
+        "what the records show is used"
     )
 
 
 def _span(values: Array) -> str:
-    low, high = f"{np.min(values):.3g}", f"{np.max(values):.3g}"
+    low, high = plain(float(np.min(values)), 3), plain(float(np.max(values)), 3)
     return low if low == high else f"{low} to {high}"

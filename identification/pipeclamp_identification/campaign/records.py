@@ -158,8 +158,9 @@ def _chosen_columns(
                 )
             chosen[ours] = matches[0]
         elif ours in required:
+            there = f"it has {', '.join(map(repr, present))}" if present else "its first row is empty"
             raise UserError(
-                f"{path}: has no column {source.name!r} (for {ours}); it has {', '.join(map(repr, present))}; "
+                f"{path}: has no column {source.name!r} (for {ours}); {there}; "
                 "expected comma-separated columns with these names in row 1, or a table [columns] in campaign.toml "
                 "that says which columns they are"
             )

@@ -82,7 +82,7 @@ def _motion_factors(places: IntArray, runs: int, speed: Classes, amplitude: Clas
         yield factor("side", words, side == index)
     for classes, of in ((speed, fast), (amplitude, large)):
         for first, last in ((0, 0), (0, 1), (1, 1), (1, 2), (2, 2)):
-            low, high = (f"{classes.edges[edge]:.2g} {classes.unit}" for edge in (first, last + 1))
+            low, high = (f"{plain(classes.edges[edge], 2)} {classes.unit}" for edge in (first, last + 1))
             span = f"up to {high}" if first == 0 else f"from {low} up" if last == 2 else f"from {low} to {high}"
             yield factor(classes.name, f"at a {classes.name} {span}", (of >= first) & (of <= last))
     for index, words in enumerate(QUARTERS):

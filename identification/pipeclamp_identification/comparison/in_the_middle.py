@@ -9,7 +9,9 @@ import numpy as np
 
 from pipeclamp_identification.loops.energies import loop_energies, metric_slopes
 from pipeclamp_models.base.signals import REFERENCES, signal_in_range
-from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.law.range import celsius_tested
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 
@@ -36,11 +38,16 @@ class LoopInTheMiddle:
 
 
 def middle_of_range(file: LawFile) -> dict[str, float]:
-    """Give the middle of each condition's range, by its name there, in its unit."""
-    return {
-        name: float(np.sqrt(each.minimum * each.maximum)) if name in BY_RATIO else (each.minimum + each.maximum) / 2
-        for name, each in file.range.items()
-    }
+    """Give the middle of each condition's range, by its name there, in its unit; of T between whole degrees Celsius."""
+    return {name: _middle(name, each) for name, each in file.range.items()}
+
+
+def _middle(name: str, interval: Interval) -> float:
+    if name in BY_RATIO:
+        return float(np.sqrt(interval.minimum * interval.maximum))
+    if name == "T":
+        return CELSIUS + sum(celsius_tested(interval)) / 2
+    return (interval.minimum + interval.maximum) / 2
 
 
 def loop_in_the_middle(file: LawFile) -> LoopInTheMiddle | None:

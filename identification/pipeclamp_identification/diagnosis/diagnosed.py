@@ -9,7 +9,7 @@ from typing import Self
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
-from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share
+from pipeclamp_identification.diagnosis.foretold import MEASURE_OF_SHARES, explained_share, refitted_share
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.further_test.run_apart import RunApart, run_apart
@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.named import (
 )
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Prepared
-from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, STILL_AS_GOOD
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, PROMISED_SHARE, STILL_AS_GOOD
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
@@ -262,6 +262,19 @@ class RecordDiagnosed:
         takes = f"{WITH.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
         named = f"{takes} ({MEASURE_OF_SHARES})"
         return (named, *(self.left_over() or (f"what remains is {self._rest}",))[:1])
+
+    def refitted(self, before: float, after: float) -> tuple[str, ...]:
+        """Say where refits show that the effect takes much less than its rung says, which is an estimate.
+
+        Args:
+            before: the law's error on left-out conditions, of fits without them, as a share of the force.
+            after: the same with the effect.
+        """
+        explained = self.diagnosis.explained
+        takes = refitted_share(self.diagnosis.law, before, after)
+        if explained is None or takes >= PROMISED_SHARE * explained:
+            return ()
+        return (f"refitted without these conditions it takes {takes:.0%} of that: the estimate promised too much",)
 
     def cautions(self) -> tuple[str, ...]:
         """Say what to mind of what was named."""

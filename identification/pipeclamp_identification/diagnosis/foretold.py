@@ -72,6 +72,19 @@ def explained_share(judged: Judged, law: Judged) -> float:
     return _gain_as_share(judged, law, law.missing)
 
 
+def refitted_share(law: Judged, before: float, after: float) -> float:
+    """Give the share that an effect takes of what a law misses there by refits without the left-out conditions.
+
+    Args:
+        law: as it is, judged.
+        before: its error on left-out conditions, of fits without them, as a share of the force.
+        after: the same of the law with the effect.
+    """
+    whole = float(law.score.mean_squares.sum())
+    missing = min(law.missing / whole, 1.0) * before**2 if whole > 0 else 0.0
+    return float(np.clip((before**2 - after**2) / missing, 0.0, 1.0)) if missing > 0 else 0.0
+
+
 def share_of_error(judged: Judged, other: Judged) -> float:
     """Give the share of another law's mean-square error, on left-out conditions and scatter included, that a law takes.
 

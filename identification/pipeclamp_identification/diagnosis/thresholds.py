@@ -34,6 +34,8 @@ conditions: any effect takes some of a wrong form."""
 MATERIAL_PART_SHARE = 0.05
 """A part that is worth a rung takes this share of the mean-square lack of fit: the error beyond scatter falls by a
 fortieth."""
+PROMISED_SHARE = 0.5
+"""A rung takes much less than was estimated where it is less than this share, by refits without what was left out."""
 SAME_ERROR_SHARE = 0.02
 """An error (rms) on left-out temperatures, specimens or further conditions that rises by less is the same: an effect
 that doesn't follow these moves it by a hair either way."""

@@ -136,6 +136,10 @@ class MetricDiagnosed:
         where = "is missing, on left-out conditions" if self.diagnosis.of_left_out else "the metrics show missing"
         return (f"{takes} of what {where}",)
 
+    def refitted(self, before: float, after: float) -> tuple[str, ...]:
+        """Say nothing: what a rung says here is no estimate of left-out conditions but the fit to all, or refits."""
+        return ()
+
     def cautions(self) -> list[str]:
         """Warn where what was named rests on single measurements."""
         diagnosis, words = self.diagnosis, [NO_PROOF] if self.kind == "part" else []

@@ -44,6 +44,17 @@ SPELLINGS: Mapping[str, str] = {
     "с": "s", "сек": "s", "мс": "ms", "мм": "mm", "мкм": "um", "н": "N", "кн": "kN", "кгс": "kgf",
 }  # fmt: skip
 """How machines spell units that pint knows by another name; in any case."""
+OF_ONE_CASE: Mapping[str, str] = {
+    unit.casefold(): unit
+    for unit in (
+        *("N", "kN", "daN", "kgf", "lb", "lbf", "Hz", "kHz", "Pa", "kPa", "MPa", "GPa", "kJ", "mm", "cm", "m", "um"),
+        *("in", "ft", "s", "ms", "us", "rad", "deg"),
+    )
+}
+"""Symbols whose capitals names in small letters lose, and headings in capitals gain: "force_n", "FREQ (HZ)". Of mN and
+MN, or mJ and MJ, nobody can tell then; MPa is meant, for no modulus is in mPa."""
+ALONE = frozenset(("M", "S", "m", "s"))
+"""Of these, symbols of another unit where they stand alone in capitals."""
 MEANT: Mapping[Quantity, Mapping[str, str]] = {
     "force": {"kg": "kgf", "g": "gf", "lb": "lbf", "t": "1000 kgf", "to": "1000 kgf", "klb": "kip"},
     "preload": {"kg": "kgf", "lb": "lbf"},
@@ -84,8 +95,11 @@ TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DO
 RATIO = re.compile(r"^[^\s/]+/[^\s/]+$")
 SPELT_RATIO = re.compile(r"^(.*\S)[\s_]+([^\s_,/]+)[\s_]per[\s_]([^\s_,/]+)\s*$", re.DOTALL)
 """A unit with its stroke spelt, behind a name: "stiffness_kN_per_mm"."""
+LETTERS = re.compile(r"[A-Za-z]+")
 WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
 """A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
+FORCE_SECONDS = re.compile(r"\b(k?n|lb)f?[ .*·⋅-]?s(?=/)", re.IGNORECASE)
+"""The beginning of a damping coefficient's unit, however it is written: "Ns/mm", "N·s/m", "lb-s/in"."""
 SQUARED = re.compile(r"(/ ?s)2$")
 """The end of an acceleration's unit whose exponent has lost its sign."""
 NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
@@ -125,7 +139,8 @@ def unit_in_name(name: str) -> tuple[str, str]:
     if (found := SPELT_RATIO.match(text)) and _stands_bare(f"{found[2]}/{found[3]}"):
         return found[1].rstrip(" ,"), f"{found[2]}/{found[3]}"
     if (found := TRAILING.match(text)) and _stands_bare(found[2]):
-        return found[1].removesuffix(" in").rstrip(" ,"), OF_OTHERS.get(found[2], found[2])
+        unit = in_its_case(found[2])
+        return found[1].removesuffix(" in").rstrip(" ,"), OF_OTHERS.get(unit, unit)
     if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):
         return found[1].strip(), found[2]
     return text, ""
@@ -138,14 +153,21 @@ def _normal(text: str) -> str:
 
 def _stands_bare(unit: str) -> bool:
     """Tell whether what stands at the end of a name, parted from it by a blank, a comma or `_`, surely is a unit."""
-    if unit.casefold() in BARE or unit in OF_OTHERS:
+    quantity = BARE.get(unit.casefold())
+    if quantity and _conversion_to(OURS[quantity], unit, quantity):  # "load_mn" may be in mN or MN
         return True
-    return bool(RATIO.match(unit)) and any(_conversion_to(ours, unit, "") for ours in RATIOS)
+    if in_its_case(unit) in OF_OTHERS:
+        return True
+    if not RATIO.match(unit):
+        return False
+    # by t/s, a mass, nobody means a damping
+    damping = FORCE_SECONDS.match(unit) and _conversion_to("N*s/mm", unit, "")
+    return bool(damping) or any(_conversion_to(ours, unit, "") for ours in RATIOS)
 
 
 def is_unit(text: str) -> bool:
     """Tell whether a text is the name of a unit, or a number of them."""
-    return any(_conversion_to(unit, text, quantity) for quantity, unit in OURS.items()) or _known(text)
+    return any(_conversion_to(unit, text, quantity) for quantity, unit in OURS.items()) or _known(_of_damping(text))
 
 
 def quantity_of_unit(text: str) -> Quantity | None:
@@ -183,7 +205,12 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
 
 
 def conversion_of_rate(unit: str) -> Conversion | None:
-    """Give what turns a speed or an acceleration in a unit into mm; None for a unit of neither."""
+    """Give what turns a speed or an acceleration in a unit into mm; None for a unit of neither.
+
+    c is one of temperature here, and not the speed of light.
+    """
+    if unit.strip().casefold() in BARE:
+        return None
     for times, (quantity, ours) in enumerate(RATES.items(), 1):
         if found := _conversion_to(ours, unit, quantity):
             return Conversion(found.factor, integrated=times)
@@ -263,8 +290,22 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
 
 def _spelled(text: str) -> str:
     """Give a unit as pint spells it: "deg_F" and "Deg F" are degF, "Newtons" are newtons."""
-    plain = text.casefold() if WORD.fullmatch(text) else SQUARED.sub(r"\1**2", text)
+    plain = text.casefold() if WORD.fullmatch(text) else SQUARED.sub(r"\1**2", in_its_case(text))
+    plain = _of_damping(plain)
     return SPELLINGS.get(text.casefold().replace("_", " "), plain)
+
+
+def _of_damping(unit: str) -> str:
+    """Give a damping coefficient's unit as pint reads it; others as they are."""
+    forces = {"n": "N", "kn": "kN", "lb": "lbf"}
+    return FORCE_SECONDS.sub(lambda found: f"{forces[found[1].casefold()]}*s", unit)
+
+
+def in_its_case(text: str) -> str:
+    """Give a unit whose letters are all small, or all capitals, with the capitals that its symbols have."""
+    if text in ALONE or text not in (text.casefold(), text.upper()):
+        return text
+    return LETTERS.sub(lambda found: OF_ONE_CASE.get(found[0].casefold(), found[0]), text)
 
 
 def _rounded(value: float) -> float:

@@ -84,6 +84,9 @@ class Diagnosed(Naming, Protocol):
     def rung(self) -> Sequence[str]:
         """Say what the effect that is named first takes, and what remains with it."""
 
+    def refitted(self, before: float, after: float) -> Sequence[str]:
+        """Say where refits show that it takes much less, by the errors on left-out conditions before and after."""
+
     def cautions(self) -> Sequence[str]:
         """Say what to mind of what was named."""
 

@@ -182,7 +182,7 @@ def test_a_bad_description_is_one_error_that_names_the_place(campaign_folder, de
 @pytest.mark.parametrize(
     ("content", "told"),
     [
-        (b"", ["A.csv", "'time_s'"]),
+        (b"", ["A.csv", "'time_s'", "its first row is empty"]),
         (b"time_s;displacement_mm;force_N\n0;1;2\n", ["'time_s;displacement_mm;force_N'", "comma-separated"]),
         (b"time_s,displacement_mm,force_N\n0,1,2\n0.1,zero,2\n", ["row 3", "'displacement_mm'", "'zero'", "number"]),
         (b"time_s,displacement_mm,force_N\ns,mm,N\n0,1,2\n", ["row 2", "'time_s'", "'s'", "number"]),

@@ -35,6 +35,10 @@ def truth():
     return law_of(open_law("emwm2"))
 
 
+def test_a_fast_drive_is_told_without_powers_of_ten():
+    assert DrivePlan(Profile("sine", ((1, 1.0),)), 50.0, 8.0).words().endswith("at most 50 mm, 8 Hz, 2510 mm/s")
+
+
 def test_the_same_seed_gives_the_same_campaign(truth):
     one, again, other = (list(virtual_runs(truth, replace(PLAN, seed=seed))) for seed in (1, 1, 2))
     for left, right, different in zip(one, again, other, strict=True):

@@ -12,6 +12,7 @@ from pipeclamp.show.law import doubts
 from pipeclamp_identification.comparison.in_the_middle import loop_in_the_middle
 from pipeclamp_models.base.digits import with_error
 from pipeclamp_models.law.file import Covariance, Interval, LawFile
+from pipeclamp_models.law.range import intervals_of
 
 PER_CENT_IN_THE_MIDDLE = 1.0
 
@@ -56,6 +57,14 @@ def test_it_is_told_with_the_law(far_from_1_mm):
     assert second.endswith("outside of these tests, and may be less sure.")
     around = {**far_from_1_mm.range, "A": Interval(minimum=0.5, maximum=45.0, unit="mm")}
     assert len(doubts(as_read(far_from_1_mm.model_copy(update={"range": around})))) == 1
+
+
+def test_tests_at_20_degrees_have_their_middle_there(far_from_1_mm):
+    """The range's ends are whole kelvins, 293 and 294: 20.4 degC had been told of a clamp that was never so warm."""
+    at_20 = {**far_from_1_mm.range, **intervals_of({"T": np.array([293.15, 293.15])})}
+    law = as_read(far_from_1_mm.model_copy(update={"range": at_20}))
+    assert loop_in_the_middle(law).conditions["T"] == pytest.approx(293.15)
+    assert "T 20 °C" in doubts(law)[0]
 
 
 def test_nothing_is_told_of_a_law_whose_errors_are_unknown(far_from_1_mm):

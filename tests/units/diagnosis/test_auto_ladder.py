@@ -27,7 +27,8 @@ def law(*effects, history=()):
 def found(verdict, kind=None, *effects, together=(), other_parts=None, leaves_means_open=False):
     return SimpleNamespace(
         together=together, other_parts=other_parts or {}, leaves_means_open=leaves_means_open,
-        verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple,
+        verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, refitted=lambda *errors: (),
+        cautions=tuple, words=tuple,
         proposal=None, no_test="none within the limits would do",
         naming_a_part=lambda reason: found(verdict, "part", *effects),
         naming_nothing=lambda reason: SimpleNamespace(

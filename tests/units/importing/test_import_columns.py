@@ -14,7 +14,7 @@ from pipeclamp_identification.importing.channels.columns import (
     unused_words,
 )
 from pipeclamp_identification.importing.raw import Channel, RawTable
-from pipeclamp_identification.units.stated import conversion, unit_in_name
+from pipeclamp_identification.units.stated import conversion, conversion_of_rate, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
 
 
@@ -36,6 +36,9 @@ def found(headings, option=""):
         ("Velocity mm/s", "mm/s"), ("stiffness_N/mm", "N/mm"), ("omega_rad/s", "rad/s"), ("frequency_Hz", "Hz"),
         ("G' Pa", "Pa"), ("strain_pct", "%"), ("Kraft F/kN", "kN"), ("Zeit t/s", "s"), ("Weg s/mm", "mm"),
         ("Channel A", ""), ("Kanal V", ""), ("Temperatura (ºC)", "°C"), ("Temp ˚C", "°C"), ("T [oC]", "oC"),
+        ("freq_hz", "Hz"), ("storage_modulus_pa", "Pa"), ("e_storage_mpa", "MPa"), ("FREQ (HZ)", "HZ"),
+        ("LOSS MODULUS MPA", "MPa"), ("k_kn_per_mm", "kn/mm"),
+        ("load_mn", ""), ("load_mN", "mN"), ("STROKE (IN)", "IN"), ("LOAD IN LBF", "lbf"),
     ],
 )  # fmt: skip
 def test_units_are_found_in_names(name, unit):
@@ -52,11 +55,39 @@ def test_units_are_found_in_names(name, unit):
         ("temperature", "deg_F", 5 / 9, -160 / 9), ("temperature", "Degrees Celsius", 1, 0), ("force", "Newtons", 1, 0),
         ("force", "KILONEWTONS", 1e3, 0), ("force", "Pounds", 4.4482216152605, 0),
         ("displacement", "Micrometres", 1e-3, 0), ("time", "Milliseconds", 1e-3, 0),
+        ("force", "n", 1, 0), ("force", "KN", 1e3, 0), ("force", "mN", 1e-3, 0), ("force", "MN", 1e6, 0),
+        ("displacement", "MM", 1, 0), ("temperature", "c", 1, 0), ("displacement", "IN", 25.4, 0),
+        ("force", "KGF", 9.80665, 0), ("time", "MS", 1e-3, 0),
     ],
 )  # fmt: skip
 def test_units_are_turned_into_ours(quantity, unit, factor, offset):
     turned = conversion(quantity, unit)
     assert (turned.factor, turned.offset) == pytest.approx((factor, offset), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("unit", "target", "factor"),
+    [
+        ("kn/mm", "N/mm", 1e3), ("N/MM", "N/mm", 1), ("KN/M", "N/mm", 1), ("n/mm", "N/mm", 1), ("mpa", "Pa", 1e6),
+        ("MPA", "Pa", 1e6), ("mPa", "Pa", 1e-3), ("HZ", "Hz", 1), ("khz", "Hz", 1e3), ("MM/S", "mm/s", 1),
+    ],
+)  # fmt: skip
+def test_units_in_small_letters_or_in_capitals_are_those_with_their_own(unit, target, factor):
+    """kn/mm had been knots over millimetres, a frequency in HZ none."""
+    assert conversion("", unit, target).factor == pytest.approx(factor)
+
+
+def test_a_temperature_in_c_is_no_speed_of_light():
+    assert conversion_of_rate("c") is None
+    headings = ["temperature_c", "time_s", "disp_mm", "force_n"]
+    assert found(headings) == {
+        "time": ("time_s", 1.0),
+        "displacement": ("disp_mm", 1.0),
+        "force": ("force_n", 1.0),
+        "temperature": ("temperature_c", 1.0),
+    }
+    with pytest.raises(UserError, match="no channel is called a displacement or is in a unit of one"):
+        found(["temperature_c", "time_s", "force_n"])
 
 
 @pytest.mark.parametrize(
@@ -75,10 +106,34 @@ def test_units_are_turned_into_ours(quantity, unit, factor, offset):
         (["time [s]", "y [mm]", "Load"], "force=Load [V] [2 kN]", {"force": ("Load", 2e3)}),
         (["Prüfzeit [s]", "Verformung [mm]", "Prüfkraft [N]"], "", {"displacement": ("Verformung [mm]", 1.0)}),
         (["Temps [s]", "Course [mm]", "Charge [daN]"], "", {"force": ("Charge [daN]", 10.0)}),
+        (["t [m]", "y [mm]", "F [N]"], "", {"time": ("t [m]", 60.0)}),
     ],
 )  # fmt: skip
 def test_channels_are_found(headings, option, expected):
     assert expected.items() <= found(headings, option).items()
+
+
+def test_metres_of_what_has_no_known_name_are_no_minutes():
+    """Beside --rate no channel is the time; a compression in m had been, and nothing was left for the displacement."""
+    mapped = map_columns(table("Jounce compression [m]", "Jounce force [N]"))
+    taken = {column.ours: column.heading for column in mapped.columns}
+    assert taken == {"displacement": "Jounce compression [m]", "force": "Jounce force [N]"}
+
+
+def test_a_bearings_load_is_not_its_force():
+    """The load that it bears is called one, its shear had no name: 100 kN that hardly move had been the force."""
+    t = np.arange(40.0)
+    moving, still = 8 * np.sin(t), 100 + 0.3 * np.cos(3 * t)
+
+    def asked(name, option=""):
+        channels = {"time_s": t, "disp_mm": np.sin(t), "vertical_load_kN": still, name: moving}
+        loaded = RawTable("", tuple(Channel(one, "", values) for one, values in channels.items()))
+        return [question.why for question in map_columns(loaded, parse_columns(option)).questions]
+
+    assert asked("shear_kN") == ["2 channels may be the force: 'shear_kN', 'vertical_load_kN'"]
+    # whatever the other one is called
+    assert asked("Ch3_kN") == ["2 channels may be the force: 'Ch3_kN', 'vertical_load_kN'"]
+    assert not asked("shear_kN", "force=shear_kN,load_kN=vertical_load_kN")
 
 
 def test_channels_of_one_quantity_are_told_apart_by_their_samples():

@@ -10,7 +10,7 @@ import pytest
 
 import pipeclamp as pc
 from pipeclamp_identification.importing.raw import Channel, RawTable
-from pipeclamp_identification.importing.results.quantities import quantity_of
+from pipeclamp_identification.importing.results.quantities import quantity_of, turned
 from pipeclamp_identification.importing.results.recognised import holds_results
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
@@ -55,6 +55,11 @@ def test_the_energy_that_a_cycle_loses_is_told_from_others(name, quantity):
     assert quantity_of(Channel(name, "", np.arange(3.0))) == quantity
 
 
+def test_radians_a_second_in_capitals_are_no_hertz():
+    found = turned("frequency", "RAD/S", "OMEGA")
+    assert found is not None and found.factor == pytest.approx(1 / (2 * np.pi))
+
+
 @pytest.mark.parametrize("beside", ["dynamic", "storage", "force"])
 def test_dissipated_energy_gives_the_loss_stiffness(tmp_path, beside):
     energy = np.pi * LOSS * AMPLITUDE**2 / 1e3
@@ -68,6 +73,48 @@ def test_dissipated_energy_gives_the_loss_stiffness(tmp_path, beside):
     written(tmp_path / "loops.csv", header, [AMPLITUDE, np.full(5, 0.1), stiff[1], 4 * energy, energy], "{:.9g}")
     pc.import_files(tmp_path / "loops.csv", tmp_path / "c")
     np.testing.assert_allclose(read_back(tmp_path / "c"), [STORAGE, LOSS], rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("names", "stiff", "share"),
+    [
+        ("K [N/mm],C [Ns/mm]", STORAGE, 1.0),
+        ("Storage stiffness [N/mm],Damping coefficient (N·s/m)", STORAGE, 1e3),
+        ("Stiffness [kN/mm],c_kns_per_m", STORAGE / 1e3, 1.0),
+        ("Dynamic stiffness [N/mm],Damping [N s/mm]", np.hypot(STORAGE, LOSS), 1.0),
+        ("K* [N/mm],Ceq [lb-s/in]", np.hypot(STORAGE, LOSS), 1 / 0.1751268352465),
+    ],
+)  # fmt: skip
+def test_a_damping_coefficient_is_the_loss_stiffness_over_the_angular_frequency(tmp_path, names, stiff, share):
+    """Isolators' K and C had been refused: what a test lost had to be an angle, a factor or an energy."""
+    coefficient = LOSS / (2 * np.pi * 4.0)
+    columns = [AMPLITUDE, np.full(5, 4.0), stiff, share * coefficient]
+    written(tmp_path / "kc.csv", f"Amplitude [mm],Frequency [Hz],{names}", columns, "{:.9g}")
+    found = pc.import_files(tmp_path / "kc.csv", tmp_path / "c")
+    np.testing.assert_allclose(read_back(tmp_path / "c"), [STORAGE, LOSS], rtol=1e-5)
+    assert ("taken for K in F = K x + C v" in str(found.notes)) == names.startswith("Stiffness")
+
+
+def test_the_stiffness_beside_a_damping_coefficient_may_be_stated(tmp_path):
+    whole, coefficient = np.hypot(STORAGE, LOSS), LOSS / (2 * np.pi * 4.0)
+    written(tmp_path / "kc.csv", "Amplitude [mm],K [N/mm],C [Ns/mm]", [AMPLITUDE, whole, coefficient], "{:.9g}")
+    (tmp_path / "set.csv").write_text("file,frequency_Hz\nkc.csv,4\n")
+    columns = "dynamic_stiffness=K [N/mm]"
+    pc.import_files(tmp_path / "kc.csv", tmp_path / "c", columns=columns, conditions=tmp_path / "set.csv")
+    np.testing.assert_allclose(read_back(tmp_path / "c"), [STORAGE, LOSS], rtol=1e-5)
+
+
+def test_a_loss_angle_beside_it_counts_before_it(tmp_path):
+    whole, angle = np.hypot(STORAGE, LOSS), np.degrees(np.arctan2(LOSS, STORAGE))
+    columns = [AMPLITUDE, np.full(5, 4.0), whole, angle, np.ones(5)]
+    written(
+        tmp_path / "kc.csv", "Amplitude [mm],Frequency [Hz],Stiffness [N/mm],Phase [deg],C [Ns/mm]", columns, "{:.9g}"
+    )
+    found = pc.import_files(tmp_path / "kc.csv", tmp_path / "c")
+    np.testing.assert_allclose(read_back(tmp_path / "c"), [STORAGE, LOSS], rtol=1e-5)
+    notes = " ".join(found.notes)
+    assert "F = K x + C v" not in notes
+    assert "not used: 'C [Ns/mm]'" in notes
 
 
 def by_name(tmp_path):

@@ -96,3 +96,23 @@ def test_several_specimens_are_told_with_the_way_to_a_law_of_each(tmp_path):
     both = pc.import_files(sweep(tmp_path / "B.csv", frequency=3.0), tmp_path / "c", conditions=tmp_path / "set.csv")
     assert "its tests are of 2 specimens, and one law is fitted to all of them" in str(both.notes)
     assert "identify" in str(both.notes) and "--per specimen" in str(both.notes)
+
+
+@pytest.mark.parametrize(
+    ("names", "modulus", "lost"),
+    [
+        ("temp_c,freq_hz,e_storage_mpa,tan_delta", STORAGE / 1e6, LOSS / STORAGE),
+        ("Temperature [°C],Frequency [Hz],Complex modulus [MPa],Phase [deg]", np.hypot(STORAGE, LOSS) / 1e6,
+         np.degrees(np.arctan2(LOSS, STORAGE))),
+    ],
+)  # fmt: skip
+def test_a_modulus_beside_what_was_lost_takes_the_parts_size_too(tmp_path, names, modulus, lost):
+    """A storage modulus with tan delta, as analysers export it, had been refused: no column says how stiff it was."""
+    lines = [f"23,5,{one:.9g},{other:.9g}" for one, other in zip(modulus, lost, strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join([names, *lines]))
+    (tmp_path / "set.csv").write_text("file,amplitude_mm,size_mm,area_mm2\na.csv,0.1,2,100\n")
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
+    _, rows = cells(tmp_path / "c")
+    np.testing.assert_allclose(numbers(rows, "frequency_Hz"), 5.0)
+    np.testing.assert_allclose(numbers(rows, "storage_stiffness_N_mm"), STORAGE / 1e6 * 50, rtol=1e-5)
+    np.testing.assert_allclose(numbers(rows, "loss_stiffness_N_mm"), LOSS / 1e6 * 50, rtol=1e-5)

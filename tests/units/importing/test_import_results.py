@@ -56,7 +56,7 @@ def table(channels, length=8):
         ("Static Stiffness", "N/mm", ""), ("Loss Angle", "deg", "loss_angle"), ("Phase", "°", "loss_angle"),
         ("tan δ", "", "loss_factor"), ("Tan Delta", "-", "loss_factor"), ("Verlustfaktor", "", "loss_factor"),
         ("Equivalent damping ratio [%]", "", "damping_ratio"), ("heq", "", "damping_ratio"),
-        ("ξ", "%", "damping_ratio"), ("Damping", "N s/mm", ""), ("Compression ratio", "", ""),
+        ("ξ", "%", "damping_ratio"), ("Damping", "N s/mm", "damping_coefficient"), ("Compression ratio", "", ""),
         ("keff_kN/mm", "", "dynamic_stiffness"), ("Gp_Pa", "", "storage_stiffness"), ("Gpp_Pa", "", "loss_stiffness"),
         ("E_prime", "MPa", "storage_stiffness"), ("G_double_prime", "Pa", "loss_stiffness"), ("Pressure_Pa", "", ""),
         ("Frequency", "Hz", "frequency"), ("ω", "rad/s", "frequency"), ("Sample frequency", "Hz", ""),

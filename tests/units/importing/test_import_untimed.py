@@ -191,6 +191,24 @@ def test_who_lacks_a_time_is_told_both_ways(tmp_path, files):
         pc.import_files(files, tmp_path / "c", columns="time=none")
 
 
+def test_who_has_a_curve_without_names_is_told_both_ways_too(tmp_path):
+    path = tmp_path / "curve.txt"
+    path.write_text("".join(f"{x:g}, {3 * x:g}\n" for x in [*range(20), *range(20, -1, -1)]))
+    with pytest.raises(
+        UserError, match=r"force=column 2 \[N\].*--rate 1000[^$]*--rate none where time was not measured"
+    ):
+        pc.import_files(path, tmp_path / "c")
+
+
+def test_a_curve_without_a_time_begins_in_no_motion(tmp_path):
+    """Of one that isn't closed, and so is free, it had been told that it begins in motion."""
+    path = tmp_path / "curve.csv"
+    path.write_text("displacement_mm,force_N\n" + "".join(f"{x:g},{3 * x:g}\n" for x in [*range(9), *range(9, 3, -1)]))
+    found = pc.import_files(path, tmp_path / "c", rate="none")
+    assert "one way up and back, within 2%: of its two ways one is 56% of the other" in str(found.to_dict()["runs"])
+    assert not any("in motion" in words for words in read_campaign(tmp_path / "c").remarks)
+
+
 def test_a_frequency_that_is_stated_beside_no_time_is_not_used(tmp_path, files):
     settings = "file,frequency_Hz\n" + "".join(f"{file.name},0.01\n" for file in files)
     (tmp_path / "set.csv").write_text(settings)

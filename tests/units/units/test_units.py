@@ -103,6 +103,11 @@ def test_a_unit_that_is_only_unlikely_is_told_everywhere(campaign, tmp_path, cha
     assert told in law.report(tmp_path / "law.html").read_text(encoding="utf-8")
 
 
+def test_what_is_stated_far_off_is_told_without_powers_of_ten(campaign):
+    (remark,) = pc.read_campaign(campaign(stated={"amplitude_mm": lambda A: A / 1900})).remarks
+    assert "1900 times as much, in 8 of 8 runs" in remark
+
+
 @pytest.mark.parametrize(("mean", "doubted"), [(0.0, True), (150.0, False)])
 def test_what_bears_a_load_is_not_weak(tmp_path, mean, doubted):
     """A cylinder under pressure, whose seals rub with 10 N, bears 150 N: nothing says kN of it."""

@@ -47,6 +47,22 @@ def test_forces_are_told_without_powers_of_ten():
     assert "leave 2860 N (" in pair_words(large, LAW, LAW, PROBLEM)[0]
 
 
+@pytest.mark.parametrize(
+    ("missing", "after", "said"),
+    [
+        (100.0, 0.1515, ("refitted without these conditions it takes 22% of that: the estimate promised too much",)),
+        (100.0, 0.1, ()),
+        # most of the error is scatter, of which no effect can take anything
+        (25.0, 0.1515, ()),
+    ],
+)
+def test_a_rung_that_takes_much_less_than_was_estimated_is_told(missing, after, said):
+    """Of a concrete column in five steps slip_spread was to take 72 %, and took the error from 17.17 to 15.15 %."""
+    law = SimpleNamespace(score=LAW.score, missing=missing)
+    found = RecordDiagnosed(SimpleNamespace(explained=0.72, law=law), comparison=None)
+    assert found.refitted(0.1717, after) == said
+
+
 def test_an_effect_of_no_help_is_not_called_the_one_that_takes_most():
     words = immaterial_words(judged("play", squares=(50.0, 49.9)), LAW, PROBLEM)
     assert "play" not in words

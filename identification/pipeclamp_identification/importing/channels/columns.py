@@ -412,6 +412,8 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
             lines.append(f"  {question.ours}: {few_of(_short([one.text for one in question.choices]), between=' or ')}")
         if question.ours == "time" and question.is_missing and question.choices:
             lines.append(f"  or --rate 1000, samples per second, where no channel is the time; {OR_UNTIMED}")
+    if rate:
+        lines.append(f"  --rate: samples per second, for no channel is the time; {OR_UNTIMED}")
     if re.search(r" \[1 [^\]]+\]", option):
         lines.append("  [1 N], [1 mm]: of what one of the channel's own unit is; put its number there")
     remedy = "\n".join(lines)

@@ -42,6 +42,8 @@ WORDS: Mapping[Quantity, tuple[str, ...]] = {
     SEGMENT: ("segment", "block", "sequence", "sequenz", "abschnitt", "schritt", "teilversuch", "step", "run", "lauf"),
 }  # fmt: skip
 """Words that name a quantity, folded; a compound may end with one that is long enough (Kolbenweg, Axialkraft)."""
+ACROSS = frozenset(("shear", "lateral", "horizontal", "transverse", "restoring"))
+"""Words that name a force beside a unit of one, as of a bearing that bears a load as well."""
 SPECIMENS = frozenset(
     ("specimen", "probe", "probekoerper", "pruefkoerper", "pruefling", "eprouvette", "provino", "probeta")
 )
@@ -121,13 +123,18 @@ def rank(quantity: Quantity, channel: Channel) -> int:
     of_unit = fits_unit(quantity, unit)
     if unit and not of_unit:
         return 0
+    if quantity == "force" and of_unit and not ACROSS.isdisjoint(words):
+        return 3
     if _is_named(quantity, words, beside_unit=bool(unit)):
         # Dewesoft's "Data1_time_Weg" is the time of "Data1_Weg"
         if not unit and quantity not in ("time", SEGMENT) and not CLOCKS.isdisjoint(words):
             return 1
         # a name and a unit: sure; a name alone: its unit must be asked
         return 3 if unit or quantity == SEGMENT else 2
-    if unit and quantity != SEGMENT and not any(_is_named(other, words, True) for other in WORDS if other != quantity):
+    # without a name a unit is of what it is of first: m are metres, and minutes only of what is called a time
+    foremost = quantity_of_unit(unit) in (None, quantity)
+    named_otherwise = any(_is_named(other, words, True) for other in WORDS if other != quantity)
+    if unit and quantity != SEGMENT and foremost and not named_otherwise:
         return 1
     return 0
 

@@ -30,6 +30,8 @@ NONE = "none"
 """States that a quantity isn't there."""
 MOST_FALLS = 0.1
 """Share of its steps in which a time may fall, as it does where a clock begins anew."""
+STILL_SHARE = 0.02
+"""Standard deviation of a channel that hardly moves, as a share of its mean."""
 SLOW = 1.0
 """Steps of a time without a unit from which on milliseconds are likelier than seconds."""
 USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"), "temperature": ("°C", "K")}
@@ -97,12 +99,30 @@ def find(
         if len(best) > 1:
             return None if quantity == SEGMENT else _which(quantity, best)
         (channel,) = best
+        if quantity == "force" and (moving := _move_in_its_place(channel, channels)):
+            return _which(quantity, [channel, *moving])
         return channel if quantity == SEGMENT or unit_of(channel) else _in_which_unit(quantity, channel)
     if quantity == SEGMENT:
         return None
     if called := [channel for channel in channels if is_of_another(quantity, channel)]:
         return _in_another_unit(quantity, called, channels)
     return _missing(quantity, table, channels, stated) if quantity in NEEDED else None
+
+
+def _move_in_its_place(force: Channel, channels: Sequence[Channel]) -> list[Channel]:
+    """Give the other channels in a unit of force that move, where the one that is called so hardly does.
+
+    A constant load that a bearing bears stands beside the force of its motion.
+    """
+    if _moves(force):
+        return []
+    return [one for one in channels if one is not force and serves("force", one) and _moves(one)]
+
+
+def _moves(channel: Channel) -> bool:
+    """Tell whether a channel's values differ by more than the noise of a constant one."""
+    values = channel.values[np.isfinite(channel.values)]
+    return bool(len(values) and np.std(values) > STILL_SHARE * abs(float(np.mean(values))))
 
 
 def _that_go_on(times: Sequence[Channel]) -> Sequence[Channel]:
@@ -113,6 +133,7 @@ def _that_go_on(times: Sequence[Channel]) -> Sequence[Channel]:
 
 
 def _which(quantity: Quantity, best: Sequence[Channel]) -> Question:
+    best = sorted(best, key=lambda channel: not _moves(channel))
     names = ", ".join(repr(channel.heading) for channel in best)
     return Question(quantity, f"{len(best)} channels may be the {quantity}: {names}", _choices(quantity, best))
 

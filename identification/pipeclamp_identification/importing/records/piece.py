@@ -24,7 +24,7 @@ from pipeclamp_identification.importing.samples.clipped import without_clipped_c
 from pipeclamp_identification.importing.samples.integrated import integrated
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Cut, SampleRange, irregular, levels, unsteady
-from pipeclamp_identification.importing.samples.untimed import cycles_of, laid_out
+from pipeclamp_identification.importing.samples.untimed import cycles_of, hardly_turns_words, laid_out
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -34,8 +34,6 @@ BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
 STATED_FREE = "as --conditions states"
 """Why a record of which the user says so is no sine."""
-HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle, or one way up and back"
-"""Why a record whose time wasn't measured is no sine."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +136,7 @@ def _draft(piece: Piece, trace: Trace, part: SampleRange, path: Path) -> tuple[D
     elif piece.timed or repaired.done:
         usable = _usable(even, piece.timed)
     else:  # what isn't laid out has the time of its samples, in which cycles mean nothing
-        usable = _free(clean.record, HARDLY_TURNS)
+        usable = _free(clean.record, hardly_turns_words(clean.record.displacement_mm))
     record, seen, words = usable
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C

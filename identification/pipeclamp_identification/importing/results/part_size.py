@@ -10,6 +10,7 @@ import numpy as np
 from pipeclamp_identification.importing.channels.naming import unit_of
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.results.quantities import (
+    LOSSES,
     STIFFNESSES,
     amplitude_share,
     is_modulus,
@@ -69,7 +70,7 @@ def by_part_size(
             share = Conversion(SHARES[unit_of(strain)] * amplitude_share(strain.name))
             found["amplitude"] = _scaled(ResultColumn("amplitude", strain, share, unit_of(strain)), height)
     if height is not None and area is not None and not columns.keys() & set(STIFFNESSES):
-        for quantity, channel in moduli_of(table).items():
+        for quantity, channel in moduli_of(table, columns).items():
             turned = conversion("modulus", unit_of(channel), "MPa")
             found[quantity] = _scaled(ResultColumn(quantity, channel, turned, unit_of(channel)), area / height)
     return found
@@ -89,11 +90,22 @@ def strains_of(table: RawTable, columns: Mapping[str, ResultColumn]) -> list[Cha
     )
 
 
-def moduli_of(table: RawTable) -> dict[str, Channel]:
-    """Give a table's moduli of storage and loss by the stiffness that each makes; none where it lacks one."""
+def moduli_of(table: RawTable, columns: Mapping[str, ResultColumn]) -> dict[str, Channel]:
+    """Give a table's moduli by the stiffness that each makes: storage and loss, or one of the two with what was lost.
+
+    None where these don't say both how stiff the part was and what it lost.
+
+    Args:
+        table: as a file holds it.
+        columns: that are known.
+    """
     moduli = {quantity_of(one): one for one in table.channels if is_modulus(one)}
-    both = [quantity for quantity in ("storage_stiffness", "loss_stiffness") if quantity in moduli]
-    return {quantity: moduli[quantity] for quantity in both} if len(both) == 2 else {}
+    if {"storage_stiffness", "loss_stiffness"} <= moduli.keys():
+        return {quantity: moduli[quantity] for quantity in ("storage_stiffness", "loss_stiffness")}
+    if columns.keys() & set(LOSSES):
+        one = next((one for one in ("storage_stiffness", "dynamic_stiffness") if one in moduli), None)
+        return {one: moduli[one]} if one else {}
+    return {}
 
 
 def _stated(table: RawTable, column: ResultColumn | None, of_file: float | None) -> Array | None:

@@ -10,18 +10,18 @@ from dataclasses import replace
 
 from pipeclamp_identification.importing.channels.naming import SETTINGS_CALLED, rank, unit_of, words_of
 from pipeclamp_identification.importing.raw import Channel
-from pipeclamp_identification.units.stated import Conversion, conversion, unit_in_name
+from pipeclamp_identification.units.stated import Conversion, conversion, in_its_case, unit_in_name
 from pipeclamp_models.base.errors import UserError
 
 TARGETS: Mapping[str, str] = {
     "frequency": "Hz", "amplitude": "mm", "force_amplitude": "N", "storage_stiffness": "N/mm",
     "loss_stiffness": "N/mm", "dynamic_stiffness": "N/mm", "loss_angle": "rad", "loss_factor": "",
     "damping_ratio": "", "dissipated_energy": "J", "temperature": "degC", "size": "mm",
-    "area": "mm^2",
+    "area": "mm^2", "damping_coefficient": "N*s/mm",
 }  # fmt: skip
 """Quantities of a result, and their units here; a loss factor and a damping ratio have none."""
 STIFFNESSES = ("storage_stiffness", "loss_stiffness", "dynamic_stiffness")
-LOSSES = ("loss_angle", "loss_factor", "damping_ratio", "dissipated_energy")
+LOSSES = ("loss_angle", "loss_factor", "damping_ratio", "dissipated_energy", "damping_coefficient")
 SHARES_OF_ONE = ("loss_factor", "damping_ratio")
 RADIAN = 1 / (2 * math.pi)
 TURNS = {"rad": RADIAN, "rpm": 1 / 60, "1/min": 1 / 60, "min-1": 1 / 60}
@@ -37,6 +37,10 @@ LOSS_ANGLES = frozenset(("phase", "delta", "verlustwinkel", "phasenwinkel", "dep
 LOSS_FACTORS = frozenset(("tan", "tand", "tandelta", "verlustfaktor"))
 DAMPING_RATIOS = frozenset(("heq", "zetaeq", "xieq", "daempfungsgrad", "daempfungsmass"))
 DAMPING = frozenset(("damping", "amortissement", "smorzamento", "amortiguamiento"))
+COEFFICIENTS = DAMPING | frozenset(("c", "ceq", "ceff", "dashpot", "daempfung", "daempfungskonstante"))
+"""Words and symbols of a damping coefficient, beside a unit of one: the loss stiffness over the angular frequency."""
+WHOLE_BEYOND_DOUBT = frozenset(("dynamic", "complex", "kdyn", "cdyn", "dyn", "dynamische", "komplexe", "absolute"))
+"""Words of a stiffness that is the ratio of the amplitudes, also beside a damping coefficient."""
 RATIO = frozenset(("ratio", "equivalent", "effective", "taux", "rapporto", "relacion", "critical"))
 """Words that beside one of damping say that it is a share of the critical one."""
 DISSIPATED = frozenset(
@@ -106,6 +110,8 @@ def quantity_of(channel: Channel) -> str:
         return "damping_ratio"
     if fits("loss_angle", unit) and (LOSS_ANGLES & words or {"loss", "angle"} <= words):
         return "loss_angle"
+    if fits("damping_coefficient", unit):
+        return "damping_coefficient" if words & COEFFICIENTS else ""
     if fits("dissipated_energy", unit):
         return "dissipated_energy" if words & (DISSIPATED | {"loss"}) else ""
     if fits("storage_stiffness", unit) or is_modulus(channel):
@@ -126,6 +132,17 @@ def is_modulus(channel: Channel) -> bool:
     return _turned("modulus", unit_of(channel), "Pa") is not None
 
 
+def is_k(channel: Channel) -> bool:
+    """Tell whether a channel is called K and no more, in a unit of stiffness: what stands beside tells of which."""
+    return _plain(channel) == "k" and fits("storage_stiffness", unit_of(channel))
+
+
+def is_in_phase(channel: Channel) -> bool:
+    """Tell whether a stiffness beside a damping coefficient is that of F = K x + C v: what isn't called dynamic is."""
+    name = _plain(channel)
+    return not WHOLE_BEYOND_DOUBT & set(words_of(name)) and "*" not in name
+
+
 def fits(quantity: str, unit: str) -> bool:
     """Tell whether a unit is one of a quantity of results."""
     return bool(unit) and turned(quantity, unit) is not None
@@ -140,6 +157,7 @@ def turned(quantity: str, unit: str, name: str = "") -> Conversion | None:
         name: of the channel, which may say that amplitudes are from peak to peak, or effective values, and that what
             is counted in a second are radians.
     """
+    unit = in_its_case(unit)
     if quantity == "frequency":
         if PER_SECOND.fullmatch(unicodedata.normalize("NFKC", unit).replace("\u2212", "-").replace(" ", "").casefold()):
             return Conversion(RADIAN if is_angular(name) else 1.0)

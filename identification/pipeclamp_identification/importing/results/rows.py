@@ -29,6 +29,8 @@ from pipeclamp_identification.importing.results.quantities import (
     amplitude_share,
     is_angular,
     is_called_modulus,
+    is_in_phase,
+    is_k,
     is_modulus,
     quantity_of,
     turned,
@@ -110,7 +112,8 @@ def result_rows(
     for quantity in ("frequency", "amplitude"):
         if quantity not in columns and COLUMNS[quantity] not in known:
             raise UserError(_unknown_setting(quantity, table, stated, columns))
-    stiffness, used = _stiffness(table, stated, columns, _amplitude(table, columns, own, of_file))
+    amplitude, frequency = (_setting(one, table, columns, own, of_file) for one in ("amplitude", "frequency"))
+    stiffness, used = _stiffness(table, stated, columns, amplitude, frequency)
     further = [one for one in columns.values() if one.quantity not in TARGETS]
     kept = [columns[quantity] for quantity in COLUMNS if quantity in columns]
     settings = {COLUMNS.get(one.quantity, one.quantity): one.values for one in (*kept, *further)}
@@ -140,6 +143,12 @@ def result_rows(
         for one in taken
         if one.quantity == "loss_factor" and quantity_of(one.channel) == "damping_ratio"
     ]
+    if [one.quantity for one in used] == ["dynamic_stiffness", "damping_coefficient"] and _is_in_phase(used[0]):
+        heading = used[0].channel.heading
+        notes.append(
+            f"{heading!r} stands beside a damping coefficient, and is taken for K in F = K x + C v: where it is the "
+            f"ratio of the amplitudes, {columns_option([f'dynamic_stiffness={heading}'])}"
+        )
     unused = tuple(one.heading for one in table.channels if one.heading not in headings)
     return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
 
@@ -158,7 +167,7 @@ def _unknown_setting(
     target, column = TARGETS[quantity], COLUMNS[quantity]
     given = [_option(one) for one in stated]
     if quantity == "amplitude" and (strains := strains_of(table, columns)):
-        moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table)
+        moduli = [] if columns.keys() & set(STIFFNESSES) else _moduli(table, columns)
         example = columns_option([*given, f"{quantity}={strains[0].heading} [{FOR_A_STRAIN}]", *moduli])
         return (
             f"no column is the amplitude in mm, but {few_of([repr(one.heading) for one in strains])}; expected "
@@ -196,6 +205,10 @@ def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColum
             for one in table.channels
             if one.heading not in taken and quantity_of(one) == quantity and not is_modulus(one)
         ]
+        if quantity == "damping_coefficient" and fitting and not found.keys() & set(STIFFNESSES):
+            # K and C are the spring and the dashpot of a model
+            for spring in [one for one in table.channels if one.heading not in taken and is_k(one)][:1]:
+                found["storage_stiffness"] = _found("storage_stiffness", spring)
         if len(fitting) > 1:
             choices = [f"{quantity}={one.heading}" for one in fitting]
             raise UserError(
@@ -204,10 +217,14 @@ def _columns(table: RawTable, stated: Sequence[Stated]) -> dict[str, ResultColum
                 f"{columns_option(choices[:1])}"
             )
         if fitting:
-            conversion = turned(quantity, unit_of(fitting[0]), fitting[0].name)
-            assert conversion is not None
-            found[quantity] = ResultColumn(quantity, fitting[0], conversion, unit_of(fitting[0]))
+            found[quantity] = _found(quantity, fitting[0])
     return found
+
+
+def _found(quantity: str, channel: Channel) -> ResultColumn:
+    conversion = turned(quantity, unit_of(channel), channel.name)
+    assert conversion is not None
+    return ResultColumn(quantity, channel, conversion, unit_of(channel))
 
 
 def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
@@ -231,24 +248,32 @@ def _stated_column(table: RawTable, stated: Stated) -> ResultColumn:
     return ResultColumn(stated.ours, channel, conversion, counts, stated=True)
 
 
-def _moduli(table: RawTable) -> list[str]:
-    """Give options that state the stiffness for a table's moduli of storage and loss; none where it lacks one."""
-    return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table).items()]
+def _moduli(table: RawTable, columns: Mapping[str, ResultColumn]) -> list[str]:
+    """Give options that state the stiffness for a table's moduli; none where these don't do."""
+    return [f"{quantity}={one.heading} [{FOR_A_MODULUS}]" for quantity, one in moduli_of(table, columns).items()]
 
 
-def _amplitude(table: RawTable, columns: Mapping[str, ResultColumn], own: Settings, of_file: Settings) -> Array:
-    """Give the amplitude of each row, mm, as runs.csv will hold it; nan where none is known."""
-    name = COLUMNS["amplitude"]
-    if name not in of_file and "amplitude" in columns:
-        return columns["amplitude"].values
+def _setting(
+    quantity: str, table: RawTable, columns: Mapping[str, ResultColumn], own: Settings, of_file: Settings
+) -> Array:
+    """Give the amplitude or frequency of each row, mm or Hz, as runs.csv will hold it; nan where none is known."""
+    name = COLUMNS[quantity]
+    if name not in of_file and quantity in columns:
+        return columns[quantity].values
     stated = of_file.get(name, own.get(name))
     return np.full(table.length, stated if isinstance(stated, float) else np.nan)
 
 
 def _stiffness(
-    table: RawTable, stated: Sequence[Stated], columns: Mapping[str, ResultColumn], amplitude: Array
+    table: RawTable,
+    stated: Sequence[Stated],
+    columns: Mapping[str, ResultColumn],
+    amplitude: Array,
+    frequency: Array,
 ) -> tuple[ComplexArray, list[ResultColumn]]:
-    """Give k' + i k'' of each row in N/mm, by its amplitude in mm where need is, and the columns that it comes from.
+    """Give k' + i k'' of each row in N/mm and the columns that it comes from.
+
+    Its amplitude, mm, and frequency, Hz, count where need is.
 
     Raises:
         UserError: nothing states both.
@@ -257,8 +282,11 @@ def _stiffness(
         both = columns["storage_stiffness"], columns["loss_stiffness"]
         return _complex(both[0].values, both[1].values), list(both)
     lag = next((columns[one] for one in LOSSES if one in columns), None)
-    if lag is not None and lag.quantity == "dissipated_energy":
-        if found := _by_energy(columns, lag, amplitude):
+    if lag is not None and lag.quantity in ("dissipated_energy", "damping_coefficient"):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_energy = N_MM * lag.values / (np.pi * amplitude**2)
+        loss = by_energy if lag.quantity == "dissipated_energy" else 2 * np.pi * frequency * lag.values
+        if found := _by_loss(columns, lag, loss, amplitude):
             return found
     elif lag is not None:
         angle = _angle(lag, of_whole="dynamic_stiffness" in columns or "storage_stiffness" not in columns)
@@ -273,38 +301,44 @@ def _stiffness(
             with np.errstate(divide="ignore", invalid="ignore"):
                 whole = force.values / amplitude
             return _complex(whole * np.cos(angle), whole * np.sin(angle)), [force, lag]
-    if moduli := _moduli(table):
+    if moduli := _moduli(table, columns):
         raise UserError(
             f"its moduli are the material's; expected {SIZE_WORDS}, in the place of {FOR_A_MODULUS}, {PART_SIZE}:\n"
             f"  {columns_option([*map(_option, stated), *moduli])}"
         )
     raise UserError(
         "no columns state how stiff each test was and what it lost; expected storage and loss stiffness, or, with loss "
-        "angle, loss factor, damping ratio or dissipated energy, dynamic stiffness or the amplitudes of force and "
-        "displacement, for example:\n"
+        "angle, loss factor, damping ratio, damping coefficient or dissipated energy, dynamic stiffness or the "
+        "amplitudes of force and displacement, for example:\n"
         f'  --columns "dynamic_stiffness=CHANNEL [N/mm],loss_angle=CHANNEL [deg]"\n  there are {_there(table)}'
     )
 
 
-def _by_energy(
-    columns: Mapping[str, ResultColumn], energy: ResultColumn, amplitude: Array
+def _by_loss(
+    columns: Mapping[str, ResultColumn], lost: ResultColumn, loss: Array, amplitude: Array
 ) -> tuple[ComplexArray, list[ResultColumn]] | None:
-    """Give k' + i k'' by the energy that a cycle loses, dW = pi k'' A^2, and the columns; None where these don't do.
+    """Give k' + i k'' by k'', N/mm, that a column of what is lost states, and the columns; None where these don't do.
 
-    k' is `BEYOND` where no ellipse of the amplitudes' stiffness loses so much.
+    The energy that a cycle loses is dW = pi k'' A^2, a damping coefficient k'' over the angular frequency. k' is
+    `BEYOND` where no ellipse of the amplitudes' stiffness loses so much.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        loss = N_MM * energy.values / (np.pi * amplitude**2)
         if "storage_stiffness" in columns:
-            return _complex(columns["storage_stiffness"].values, loss), [columns["storage_stiffness"], energy]
+            return _complex(columns["storage_stiffness"].values, loss), [columns["storage_stiffness"], lost]
         if "dynamic_stiffness" in columns:
+            if lost.quantity == "damping_coefficient" and _is_in_phase(columns["dynamic_stiffness"]):
+                return _complex(columns["dynamic_stiffness"].values, loss), [columns["dynamic_stiffness"], lost]
             stiff, whole = columns["dynamic_stiffness"], columns["dynamic_stiffness"].values
         elif "force_amplitude" in columns:
             stiff, whole = columns["force_amplitude"], columns["force_amplitude"].values / amplitude
         else:
             return None
         real = np.where(loss >= whole, BEYOND, np.sqrt(whole**2 - loss**2))
-        return _complex(real, loss), [stiff, energy]
+        return _complex(real, loss), [stiff, lost]
+
+
+def _is_in_phase(stiffness: ResultColumn) -> bool:
+    return not stiffness.stated and is_in_phase(stiffness.channel)
 
 
 def _angle(lag: ResultColumn, *, of_whole: bool) -> Array:

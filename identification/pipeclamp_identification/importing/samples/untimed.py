@@ -30,6 +30,8 @@ CLOSED = 0.02
 """Share of the way up within which the way back ends where that began: then both are a cycle, from turn to turn."""
 SHARE_DIGITS = 6
 """Of a share of a step."""
+HARDLY_TURNS = "without a time, it takes two turns within it to tell a cycle, or one way up and back"
+"""Why a record whose time wasn't measured is no sine."""
 UNLOADED = 0.01
 """Share of the largest displacement, and of the largest force, within which a piece begins unloaded."""
 
@@ -78,6 +80,16 @@ def _goes_up_and_back(y: Array, turns: IntArray) -> bool:
     """Tell whether a motion turns once and ends where it began, so that both its ends are turns."""
     closes = abs(y[-1] - y[0]) <= CLOSED * float(np.ptp(y))
     return bool(len(turns) == FEWEST_TURNS - 1 and closes)
+
+
+def hardly_turns_words(y: Array) -> str:
+    """Say why a curve isn't laid out, and how far it comes back from its one turn; displacement (n,) in mm, finite."""
+    turns = turns_of_curve(y)
+    if len(turns) != FEWEST_TURNS - 1:
+        return HARDLY_TURNS
+    out, back = np.abs(np.diff(y[turns]))
+    shorter = min(out, back) / max(out, back)
+    return f"{HARDLY_TURNS}, within {CLOSED:.0%}: of its two ways one is {shorter:.0%} of the other"
 
 
 def cycles_of(y: Array) -> float:

@@ -75,7 +75,7 @@ def text_blocks(stream: BinaryIO, size: int, most: int) -> Iterator[tuple[str, s
         following = stream.read(size)
         text = rest + decoder.text(content, final=not following)
         if "\0" in text:
-            raise Damaged("holds zero bytes, as no text does")
+            raise Damaged("holds zero bytes, as no text does: export or copy it again")
         # a line, and a line end of two characters, may be parted
         end = len(text) - (bool(following) and text.endswith("\r"))
         whole, rest = text[:end], text[end:]
