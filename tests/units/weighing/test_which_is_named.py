@@ -619,6 +619,32 @@ def test_no_special_case_is_the_cause_where_the_fit_clearly_prefers_the_general_
     assert ("clearly prefers relaxation_spread" in found.reasons[0]) == (kind == "part")
 
 
+@pytest.mark.parametrize(
+    ("of_other", "of_general", "named"),
+    [
+        (200.0, 100.0, "relaxation_spread"),  # clearly better than what is clearly better
+        (205.0, 195.0, "stiffness_frequency"),  # no better than the other
+        (400.0, 295.0, "relaxation"),  # the special case is better than the other
+    ],
+)
+def test_no_other_is_named_in_the_place_of_a_general_effect_left_aside_for_its_special_case(
+    of_other, of_general, named, monkeypatch
+):
+    """Of a clean spread of relaxation times `stiffness_frequency` was the cause, by 140 nats behind."""
+    general, special = candidate("relaxation_spread", 4.0, of_general), candidate("relaxation", 5.0, 303.0)
+    other, law = candidate("stiffness_frequency", 4.5, of_other), candidate("", 100.0, 1000.0)
+    for each, share in ((general, 0.0), (special, 0.08), (other, 0.03)):
+        each.lack = SimpleNamespace(p_value=0.5, share=share, sure_share=share)
+    near = 20.0
+    stand_in(
+        monkeypatch,
+        "rivals_of",
+        lambda best, asked, problem: [one for one in asked if one is not best and one.squares - best.squares < near],
+    )
+    found = weighed(law, sorted((general, special, other), key=lambda one: one.squares))
+    assert (found.kind, found.effects) == ("cause", (named,))
+
+
 def residuals(mean, first):
     """Residuals of six loops, N: their mean and first harmonic."""
     return np.column_stack([np.full(6, mean), np.full(6, first), np.zeros(6)])
