@@ -165,6 +165,7 @@ def test_publications_are_cited_whole_and_used():
 @pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)
 def test_an_effect_is_imitated_by_effects(effect):
     assert set(effect.imitated_by) <= set(entries())
+    assert effect.many_of in ("", *effect.special_cases)
 
 
 def test_no_symbol_of_an_effect_is_taken_for_a_column_of_tests():

@@ -136,10 +136,13 @@ def lack_of_fit(
     own = leverage @ np.where(seen, noise.over_runs(noise.noise_and_mean()), 0.0) * freedoms / smooth.shape[1]
     by_form, chance_of_form = _above_scatter(np.where(seen, noise.no_scatter(plain), 0.0), own, smooth, wanted)
     by_channel[0] = by_form[0] = _mean_force(plain[:, 0], variance[:, 0], smooth, float(wanted[0]), float(told_by[0]))
-    excess = _mean_and_loop(by_channel)
-    least = np.maximum(excess - chance, _mean_and_loop(by_form) - chance_of_form)
+    excess, of_form = _mean_and_loop(by_channel), _mean_and_loop(by_form)
+    least, most = np.maximum(excess - chance, of_form - chance_of_form), excess + chance
+    if least[1] > excess[1]:
+        # scatter that happened to be small hides what it can't have made
+        by_channel, excess, most = by_form, of_form, np.maximum(most, of_form)
     share, sure_share, most_share = (
-        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, least, excess + chance)
+        float(np.sqrt(_whole(one) / np.mean(noise_rms**2))) for one in (excess, least, most)
     )
     return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, most_share, by_channel)
 

@@ -68,8 +68,19 @@ MEASURE_OF_SHARES = "mean square beyond scatter, estimated for left-out conditio
 
 
 def explained_share(judged: Judged, law: Judged) -> float:
-    """Give the share that a law takes of what the law as it is misses on left-out conditions (mean square)."""
-    return _gain_as_share(judged, law, law.missing)
+    """Give the share that a law takes of what the law as it is misses on left-out conditions (mean square).
+
+    What scatter from run to run can have made of either error counts for little.
+    """
+    rows = np.count_nonzero(law.score.mean_squares)
+    if law.score.axes is None or not rows:
+        return _as_share(law.score.mean_squares - judged.score.mean_squares, law.missing)
+    axes, size = law.score.axes, law.missing / rows
+    before, after = (axes.beside(each.score.errors, size) for each in (law, judged))
+    left_out = law.score.mean_squares > 0
+    beyond = float(np.sum((before - axes.by_chance(size))[left_out]))
+    least = law.missing * float(before.sum() / law.score.mean_squares.sum())
+    return _as_share(before - after, max(beyond, least))
 
 
 def refitted_share(law: Judged, before: float, after: float) -> float:
@@ -90,12 +101,12 @@ def share_of_error(judged: Judged, other: Judged) -> float:
 
     What a law errs beyond scatter is no measure where that may be nothing.
     """
-    return _gain_as_share(judged, other, float(other.score.mean_squares.sum()))
+    error = other.score.mean_squares
+    return _as_share(error - judged.score.mean_squares, float(error.sum()))
 
 
-def _gain_as_share(judged: Judged, other: Judged, whole: float) -> float:
-    gain = float((other.score.mean_squares - judged.score.mean_squares).sum())
-    return float(np.clip(gain / whole, 0.0, 1.0)) if whole > 0 else 0.0
+def _as_share(gain: Array, whole: float) -> float:
+    return float(np.clip(gain.sum() / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
 def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
+from pipeclamp_identification.diagnosis.run_scatter import ScatterAxes
 from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -64,11 +65,18 @@ class LeftOutScore:
 
     Attributes:
         squares: sum of squared whitened residuals of each run, its group left out, shape (R,).
-        mean_squares: mean square of each run's error in N2, scatter left aside, shape (R,).
+        errors: harmonics of each run's error, N, shape (R, m); zero of runs that are never left out.
+        axes: how runs scatter; None where nothing is known of that.
     """
 
     squares: Array
-    mean_squares: Array
+    errors: Array
+    axes: ScatterAxes | None = None
+
+    @cached_property
+    def mean_squares(self) -> Array:
+        """Mean square of each run's error, N2, shape (R,)."""
+        return mean_squares_of(self.errors)
 
 
 @dataclass(frozen=True)
@@ -94,13 +102,13 @@ class WithoutGroups:
             groups: the group of each run, shape (R,); -1 for those that are never left out, whose score is zero.
         """
         seen = self.observations.loops.seen
-        squares, mean_squares = np.zeros(len(groups)), np.zeros(len(groups))
+        squares, errors = np.zeros(len(groups)), np.zeros(seen.shape)
         for group in range(int(groups.max()) + 1):
             own = groups == group
             residual, error = self._foretold(own)
             squares[own] = np.nan_to_num(np.sum(residual**2, axis=1), nan=np.inf)
-            mean_squares[own] = mean_squares_of(np.where(seen[own], error, 0.0))
-        return LeftOutScore(squares, mean_squares)
+            errors[own] = np.where(seen[own], error, 0.0)
+        return LeftOutScore(squares, errors)
 
     def unlikelihood(self, own: BoolArray) -> float:
         """Give minus twice the log likelihood of a group of runs, foretold by the others, but for what noise has of it.

@@ -13,7 +13,7 @@ from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore, Whitened, WithoutGroups, whitened
 from pipeclamp_identification.diagnosis.noise import UNSEEN_VARIANCE, NoiseModel, WhitenedObservations, noise_model
 from pipeclamp_identification.diagnosis.objections import objections, of_groups, reservations
-from pipeclamp_identification.diagnosis.run_scatter import of_a_shift
+from pipeclamp_identification.diagnosis.run_scatter import ScatterAxes, of_a_shift
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups, kept_at_ends, share_of_force
@@ -111,6 +111,13 @@ class Problem:
         """Mean square of each run's error that scatter alone makes, N2, shape (R,)."""
         variance = np.where(self.noise.variance < UNSEEN_VARIANCE, self.noise.total_variance(), 0.0)
         return mean_squares_of(np.sqrt(variance))
+
+    @cached_property
+    def axes(self) -> ScatterAxes:
+        """How each run's error scatters."""
+        model = self.noise
+        noise = mean_squares_of(np.sqrt(np.where(model.variance < UNSEEN_VARIANCE, model.variance, 0.0)))
+        return model.scatter.axes(model.directions, model.stretches, noise)
 
     def excess_squares(self, score: LeftOutScore) -> Array:
         """Give the mean square of each run's error less what scatter makes of it, N2, shape (R,)."""
@@ -288,7 +295,7 @@ def judge(
     }
     error = share_of_force(score.mean_squares, problem.loops, left_out)
     price = _price_of_free_means(result, problem)
-    score = replace(score, squares=score.squares + price)
+    score = replace(score, squares=score.squares + price, axes=problem.axes)
     akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
     lean = replace(result, law_force=replace(result.law_force, jacobian=None))
     return Judged(

@@ -50,6 +50,67 @@ class RunScatter:
         covariance[:, 0, 0] += self.mean_N**2
         return covariance
 
+    def axes(self, directions: Directions, stretches: Array | float, noise: Array) -> ScatterAxes:
+        """Give the directions in which runs scatter.
+
+        Args:
+            directions: what goes with what scatters.
+            stretches: into how many rows each row's run is parted, shape (R,).
+            noise: mean square that noise makes of each run's error besides, N2, shape (R,).
+        """
+        made = self.by_harmonics(directions)
+        mean = np.zeros_like(made[:1])
+        mean[..., 0] = self.mean_N
+        spread = by_mean_square(np.concatenate([made, mean]))
+        ways, sizes, _ = np.linalg.svd(np.moveaxis(spread, 0, -1), full_matrices=False)
+        return ScatterAxes(ways, sizes**2 * np.reshape(stretches, (-1, 1)), noise)
+
+
+@dataclass(frozen=True)
+class ScatterAxes:
+    """The directions in which each run's harmonics scatter, to tell what of errors scatter can't have made.
+
+    Where zeros, stiffness and damping scatter by more than is missing, the mean square of an error tells of scatter. In
+    these directions an error counts only as far as it is likely to be missing physics: by the share that what is
+    missing has in what is missing and scatter together (Wiener 1949).
+
+    Attributes:
+        ways: orthonormal where a harmonic counts by its mean square over the cycle, shape (R, m, d).
+        variance: mean square by which runs scatter along each, N2, shape (R, d).
+        noise: mean square that noise makes of each run's error besides, N2, shape (R,).
+    """
+
+    ways: Array
+    variance: Array
+    noise: Array
+
+    def beside(self, errors: Array, missing: float) -> Array:
+        """Give the mean square of each run's error beside scatter, N2, shape (R,).
+
+        Args:
+            errors: harmonics of it, N, shape (R, m).
+            missing: mean square of what is missing, N2.
+        """
+        counted = by_mean_square(errors)
+        along = np.einsum("rmd,rm->rd", self.ways, counted)
+        return np.asarray(np.sum(counted**2, axis=1) - np.sum((1 - self._kept(missing)) * along**2, axis=1))
+
+    def by_chance(self, missing: float) -> Array:
+        """Give what noise and scatter make of that, N2, shape (R,); `missing` as above."""
+        return np.asarray(self.noise + np.sum(self._kept(missing) * self.variance, axis=1))
+
+    def _kept(self, missing: float) -> Array:
+        """Give the share of the square along each direction that counts, shape (R, d)."""
+        size = max(missing, np.finfo(np.float64).tiny)
+        return np.asarray((size / (size + self.variance)) ** 2)
+
+
+def by_mean_square(harmonics: Array) -> Array:
+    """Give harmonics, shape (..., m), of which the plain sum of squares is the mean square over the cycle."""
+    counts = np.full(harmonics.shape[-1], np.sqrt(0.5))
+    counts[0] = 1.0
+    return np.asarray(harmonics * counts)
+
 
 @dataclass(frozen=True)
 class Directions:

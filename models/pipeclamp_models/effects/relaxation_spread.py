@@ -51,6 +51,7 @@ EFFECT = Effect(
     told_apart_by="two decades of frequency at one amplitude: the loss factor hardly changes, where a single "
     "relaxation time makes a hump of one decade",
     special_cases=("relaxation",),
+    many_of="relaxation",
     parameters=(
         Parameter(k_r, "N/mm", "stiffness of all arms", (0.1 * F_typical / A_typical,) * len(STARTS), lower=0.0),
         Parameter(tau_r, "s", "relaxation time in the middle", STARTS, LOWER, UPPER),

@@ -17,6 +17,7 @@ EFFECT = Effect(
     imitated_by=("coulomb", "viscous", "memory", "bouc_wen", "oil_damper"),
     told_apart_by="the slowest test at the smallest amplitude: its whole loop is rounded, and its area falls with f",
     special_cases=("coulomb", "viscous"),
+    many_of="coulomb",
     parameters=(
         Parameter(F_t, "N", "friction at speed", (0.05 * F_typical,) * 3, lower=0.0),
         Parameter(

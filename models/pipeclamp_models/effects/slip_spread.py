@@ -52,6 +52,7 @@ EFFECT = Effect(
     "one curve (Masing), and small ones lose as A^(chi + 3)",
     imitated_by=("memory", "bouc_wen"),
     special_cases=("memory",),
+    many_of="memory",
     told_apart_by="amplitudes over a decade: loss over amplitude is a straight line in logarithms, where a few "
     "elements make steps",
     parameters=(

@@ -178,6 +178,8 @@ class Effect:
         refinement: the next larger member of its family; None where there is none.
         special_cases: ids of effects that it becomes at some values of its parameters: where one of them does as well,
             that one is named.
+        many_of: of these, the one of which it is many, or a smoothed one: that and no more sets it apart. Where the
+            one fits worse, it has no other form of its own that may stand behind this one.
         essence: parameters of which one at least differs from neutral where the effect is there: without them it is
             another effect, in its form at most.
     """
@@ -203,6 +205,7 @@ class Effect:
     argument: str = ""
     refinement: Refinement | None = None
     special_cases: tuple[str, ...] = ()
+    many_of: str = ""
     essence: tuple[sp.Symbol, ...] = ()
 
     @property

@@ -448,7 +448,7 @@ def test_no_other_way_is_climbed_by_what_something_speaks_against():
     """At a measured friction device `bouc_wen` with two shapes at their bounds had been gone by, and `memory:2` not."""
 
     def judged(effect, left, may_be_cause):
-        score = SimpleNamespace(mean_squares=np.full(4, left))
+        score = SimpleNamespace(mean_squares=np.full(4, left), axes=None)
         return SimpleNamespace(effects=(effect,), score=score, missing=4.0, may_be_cause=may_be_cause)
 
     others = (judged("bouc_wen", 0.6, False), judged("memory:2", 0.7, True))

@@ -42,8 +42,8 @@ def test_runs_that_are_never_left_out_say_nothing():
 
 @pytest.mark.parametrize(("missing", "share"), [(0.4, 0.75), (0.2, 1.0), (0.0, 0.0)])
 def test_a_share_is_of_what_is_missing_beyond_scatter(missing, share):
-    law = SimpleNamespace(score=LeftOutScore(np.ones(2), np.array([1.0, 0.5])), missing=missing)
-    other = SimpleNamespace(score=LeftOutScore(np.ones(2), np.array([0.8, 0.4])))
+    law = SimpleNamespace(score=LeftOutScore(np.ones(2), np.sqrt([[1.0], [0.5]])), missing=missing)
+    other = SimpleNamespace(score=LeftOutScore(np.ones(2), np.sqrt([[0.8], [0.4]])))
     assert explained_share(other, law) == pytest.approx(share)
 
 
@@ -55,7 +55,7 @@ def for_form(errors, proved=True):
     loops = SimpleNamespace(scatter_rms_N=np.full(RUNS, NOISE), run=np.arange(RUNS))
     problem = Problem(loops, None, None, noise, None, GROUPS, {})
     lack = LackOfFit(1e-9, 0.6, 0.55, 0.65, np.array([(0.6 * NOISE) ** 2]))
-    score = LeftOutScore(np.ones(RUNS), (errors * NOISE) ** 2 + scatter)
+    score = LeftOutScore(np.ones(RUNS), np.sqrt((errors * NOISE) ** 2 + scatter)[:, None])
     law = SimpleNamespace(lack=lack, score=score)
     return Scales(None, problem, law, [], Tolerance(0.1, 0.75, 0.75, proved), ALONE)
 
@@ -109,7 +109,7 @@ K, SLOPE, BEND = parameter("k10"), parameter("c_T1", ("T",)), parameter("c_T2", 
 
 
 def judged(names, fitted, squares, on_temperature, akaike):
-    score = SimpleNamespace(mean_squares=np.full(8, squares), squares=np.full(8, squares))
+    score = SimpleNamespace(mean_squares=np.full(8, squares), axes=None, squares=np.full(8, squares))
     return SimpleNamespace(
         effects=("viscous",), result=SimpleNamespace(fitted_parameters=fitted, equations=SimpleNamespace(names=names)),
         score=score, missing=8 * squares, heldout_nrmse=squares, heldout_by={"temperature": on_temperature},

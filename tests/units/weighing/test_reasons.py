@@ -24,7 +24,7 @@ def judged(*effects, left_N=2.1, squares=(50.0, 50.0), likelihood=100.0, on_temp
         akaike=likelihood,
         heldout_by={"temperature": on_temperature},
         lack=SimpleNamespace(rms=left_N, share=left_N / 0.5, most_share=left_N / 0.5 + 0.1),
-        score=SimpleNamespace(mean_squares=np.array(squares), squares=np.array(squares)),
+        score=SimpleNamespace(mean_squares=np.array(squares), axes=None, squares=np.array(squares)),
         missing=sum(squares),
         result=SimpleNamespace(equations=SimpleNamespace(names=()), fitted_parameters=()),
     )

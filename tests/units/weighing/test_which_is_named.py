@@ -24,7 +24,7 @@ from pipeclamp_models.law.law import Structure
 def candidate(effect, left, squares, structure="power"):
     """Give a law with an effect that leaves these mean squares on left-out conditions."""
     law = SimpleNamespace(structure=Structure(structure, (effect,) if effect else ()))
-    score = SimpleNamespace(mean_squares=np.full(6, left))
+    score = SimpleNamespace(mean_squares=np.full(6, left), axes=None)
     return SimpleNamespace(
         effects=(effect,), result=SimpleNamespace(law=law, equations=NAMES, fitted_parameters=()), score=score,
         missing=6 * left,
@@ -251,6 +251,32 @@ def test_a_general_effect_is_named_alone_where_its_special_case_surely_leaves_so
     )
     found = causes.one_cause(special, [special], on_scales(law, [general, other, special]))
     assert (found.verdict, found.kind, found.effects) == (verdict, "part", named)
+
+
+@pytest.mark.parametrize(
+    ("general", "special", "near", "named"),
+    [
+        ("relaxation_spread", "relaxation", False, ("relaxation_spread",)),
+        ("relaxation_spread", "relaxation", True, ("relaxation_spread", "relaxation")),
+        ("rounded_friction", "coulomb", False, ("rounded_friction",)),
+        ("rounded_friction", "viscous", False, ("rounded_friction", "viscous")),
+    ],
+)
+def test_what_is_many_of_a_special_case_and_fits_clearly_better_is_named_alone(
+    general, special, near, named, monkeypatch
+):
+    """Two relaxation times had been one or a spread of them, and the ladder ended there; but for another near it."""
+    many, one, law = (candidate(*of) for of in ((general, 7.0, 70.0), (special, 8.0, 99.0), ("", 100.0, 1e3)))
+    other = candidate("oil_damper", 7.0, 75.0)
+    for each, p_value in ((many, 0.9), (one, 0.08), (other, 0.9)):
+        each.lack = SimpleNamespace(p_value=p_value, share=0.05, sure_share=0.0)
+    stand_in(
+        monkeypatch,
+        "rivals_of",
+        lambda best, asked, problem: [each for each in asked if near and best is many and each is other],
+    )
+    found = causes.one_cause(one, [one], on_scales(law, [many, other, one]))
+    assert (found.verdict, found.kind, found.effects) == ("missing" if not named[1:] else "ambiguous", "part", named)
 
 
 @pytest.mark.parametrize(
@@ -576,6 +602,47 @@ def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(a
     found = weighed(law, [general, special])
     assert (found.kind, found.effects) == (kind, ("relaxation",))
     assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told
+
+
+@pytest.mark.parametrize(("akaike", "kind"), [(92.0, "cause"), (89.0, "part")])
+def test_no_special_case_is_the_cause_where_the_fit_clearly_prefers_the_general_effect(akaike, kind, monkeypatch):
+    """Of a strong spread of relaxation times one relaxation left 0.3 times the noise, and was the cause."""
+    special, general = candidate("relaxation", 8.0, 100.0), candidate("relaxation_spread", 7.0, 95.0)
+    general.akaike = akaike
+    for each in (special, general):
+        each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    law = candidate("", 100.0, 1000.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
+    stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [one for one in others if one not in (best, law)])
+    found = weighed(law, [general, special])
+    assert (found.kind, found.effects) == (kind, ("relaxation",))
+    assert ("clearly prefers relaxation_spread" in found.reasons[0]) == (kind == "part")
+
+
+@pytest.mark.parametrize(
+    ("of_other", "of_general", "named"),
+    [
+        (200.0, 100.0, "relaxation_spread"),  # clearly better than what is clearly better
+        (205.0, 195.0, "stiffness_frequency"),  # no better than the other
+        (400.0, 295.0, "relaxation"),  # the special case is better than the other
+    ],
+)
+def test_no_other_is_named_in_the_place_of_a_general_effect_left_aside_for_its_special_case(
+    of_other, of_general, named, monkeypatch
+):
+    """Of a clean spread of relaxation times `stiffness_frequency` was the cause, by 140 nats behind."""
+    general, special = candidate("relaxation_spread", 4.0, of_general), candidate("relaxation", 5.0, 303.0)
+    other, law = candidate("stiffness_frequency", 4.5, of_other), candidate("", 100.0, 1000.0)
+    for each, share in ((general, 0.0), (special, 0.08), (other, 0.03)):
+        each.lack = SimpleNamespace(p_value=0.5, share=share, sure_share=share)
+    near = 20.0
+    stand_in(
+        monkeypatch,
+        "rivals_of",
+        lambda best, asked, problem: [one for one in asked if one is not best and one.squares - best.squares < near],
+    )
+    found = weighed(law, sorted((general, special, other), key=lambda one: one.squares))
+    assert (found.kind, found.effects) == ("cause", (named,))
 
 
 def residuals(mean, first):

@@ -73,6 +73,8 @@ def _a_general_effect_and(alike: Sequence[Judged], scales: Scales) -> Weighed | 
         if not clearly:
             return None
         found = clearly[0], alike
+    if many := _many_of_one(*found, scales):
+        return many
     general, names = found[0], _names(found[1])
     fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
     reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
@@ -111,6 +113,20 @@ def _general_alone(general: Judged, beside: Sequence[Judged], scales: Scales) ->
     return Weighed("missing", (name,), "part", general, None, (reason,))
 
 
+def _many_of_one(general: Judged, beside: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name a general effect alone that is many of the one beside it, or a smoothed one: either name would be right.
+
+    It is a part. None where another general effect comes near.
+    """
+    name, names = general.effects[0], _names(beside)
+    generals = [each for one in beside for each in _generals(one, scales)]
+    many_of = general.result.law.structure.effect(name).many_of
+    if set(map(effect_id, names)) != {many_of} or rivals_of(general, generals, scales.problem):
+        return None
+    reason = f"{names[0]} leaves little over, but {name}, which is many of it or a smoothed one, fits clearly better"
+    return Weighed("missing", (name,), "part", general, None, (reason,))
+
+
 def _leaves_scatter(judged: Judged) -> bool:
     """Tell whether nothing real is left over, in units of the noise."""
     return judged.lack.p_value > REAL_LACK_CHANCE
@@ -141,6 +157,9 @@ def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weigh
     told = beside if likelier else ""
     if form := _form_left(best, scales):
         return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}{told}",))
+    if any(each.akaike + RIVAL_LIKELIHOOD < best.akaike for each in generals):
+        but = f"but the fit to all tests clearly prefers {listed(likelier)}, of which it is a special case"
+        return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, {but}",))
     return Weighed("missing", (name,), "cause", best, None, (f"{name} explains it and no rival comes near{told}",))
 
 

@@ -70,10 +70,24 @@ class Scales:
     def usable(self) -> list[Judged]:
         """Candidates that better the law, and may take a part of what is missing at least; best first.
 
-        A general effect whose special case leaves about as much isn't among them.
+        A general effect whose special case leaves about as much isn't among them; but where another effect outdoes
+        that, and it outdoes the other, it is.
         """
         able = bettering(self.candidates, self.law)
-        return [each for each in able if not simpler_than(each, able, self.law, self.tolerance)]
+        special = {id(each): simpler_than(each, able, self.law, self.tolerance) for each in able}
+        found = [each for each in able if not special[id(each)]]
+        return [each for each in able if all(self._is_between(one, each, found) for one in special[id(each)])]
+
+    def _is_between(self, special: Judged, general: Judged, others: Sequence[Judged]) -> bool:
+        """Tell whether another that explains it is clearly better than a special case, and the general effect than it.
+
+        The other would be named then, and the special case doesn't stand for the general one.
+        """
+        better = (one for one in others if one is not special and one.may_be_cause and self.explains(one))
+        return any(
+            not rivals_of(one, [special], self.problem) and not rivals_of(general, [one], self.problem)
+            for one in better
+        )
 
     @cached_property
     def sound(self) -> list[Judged]:
