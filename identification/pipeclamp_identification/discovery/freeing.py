@@ -28,6 +28,8 @@ EXPONENTS, WIDTHS, MOVES = (1.0,), (0.1, 0.5), (0.0,)
 """From where they are fitted: shares of the fixed exponent and of the place of a corner, and powers of a condition."""
 YIELDS = re.compile(r"\((z_x - .+)\) \* exp\(-(abs\(y - y_previous\) / \(.+ \* (max\(.+, [\d.]+\))\))\)$")
 """How an element that yields smoothly nears what holds it: what is left to it, the way over its own, what holds it."""
+SINE, OVERTONE, OVERTONES = re.compile(r"sin\(y / (y_x|\(.+?\))\)"), "b_x", (0.3, -0.3)
+"""What is periodic along the way, the symbol of its overtone's share, and from where that is fitted."""
 NEARLY_ONE, BENDS = 1.001, (0.6, 1.6)
 """An exponent at which what is left falls exponentially, and from where it is fitted: one itself is a limit."""
 SMOOTHEST = {LENGTH["unit"]: LENGTH, SPEED["unit"]: SPEED}
@@ -53,6 +55,8 @@ def refinements(
         yield _smooth(term, corner, table, number), [share * abs(values[table.symbol]) for share in WIDTHS]
     if any(YIELDS.search(one.update) for one in term.declaration.states):
         yield _bent(term), BENDS
+    if SINE.search(term.declaration.force or "") and OVERTONE not in values:
+        yield _with_overtone(term), OVERTONES
     scales = [one for name, one in SCALED.items() if name in varied]
     scales += [one for name, size in conditions.items() for one in scales_of(name, size)]
     moved = [one for one in term.declaration.parameters if one.unit != "-" or one.symbol == linear_symbol(term.family)]
@@ -179,6 +183,16 @@ def _bent(term: Term) -> Term:
         return f"{text[: found.start()]}({left}) * {falls}"
 
     return _refined(term, "yielding", "as a power of what is left to yield", entry, changed)
+
+
+def _with_overtone(term: Term) -> Term:
+    """Give what is periodic its first overtone: valleys needn't be as broad as the tops between them."""
+    entry: Entry = {"symbol": OVERTONE, "unit": "-", "meaning": "overtone over the sine", "start": 0.0, "neutral": 0.0,
+                    "lower": -FREEST, "upper": FREEST}  # fmt: skip
+    return _refined(
+        term, "overtone", "and an overtone of half the stretch", entry,
+        lambda text: SINE.sub(rf"(sin(y / \1) + {OVERTONE} * sin(2 * y / \1))", text),
+    )  # fmt: skip
 
 
 def _moved(term: Term, table: ParameterTable, scale: Scale) -> Term:

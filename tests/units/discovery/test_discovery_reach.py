@@ -261,3 +261,15 @@ def test_a_period_is_in_step_with_one_that_it_is_sought_from(length):
     wanted = np.sin(y / length)
     alike = [np.corrcoef(wanted, np.sin(y / start))[0, 1] for start in PERIOD_STARTS]
     assert max(alike) > 0.4
+
+
+def test_valleys_of_detents_may_be_broader_than_the_tops_between_them():
+    """Two sines did as much only where the second one's length, half of the first one's, was among the starts."""
+    y = np.linspace(-1.0, 1.0, 801)
+    wanted = np.sin(y / 0.043) / (1.8 - np.cos(y / 0.043))
+    plain = term_of("found_periodic_spring")
+    every = [one for one, _ in refinements(plain, {"F_x": 1.0, "y_x": 0.043}, (), {})]
+    (with_overtone,) = (one for one in every if "overtone" in one.acts_like)
+    forces = [one.effect.force.subs(sp.Symbol(STRENGTH, real=True), 1) for one in (plain, with_overtone)]
+    assert bent(forces[0], {"y_x": 0.043}, wanted, y=y) > 2 * CLOSELY
+    assert bent(forces[1], {"y_x": 0.043, "b_x": 0.3}, wanted, y=y) < CLOSELY
