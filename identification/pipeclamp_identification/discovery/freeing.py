@@ -26,6 +26,12 @@ FREEST = 4.0
 """A freed exponent lies between its fixed value over this and times this."""
 EXPONENTS, WIDTHS, MOVES = (1.0,), (0.1, 0.5), (0.0,)
 """From where they are fitted: shares of the fixed exponent and of the place of a corner, and powers of a condition."""
+YIELDS = re.compile(r"\((z_x - .+)\) \* exp\(-(abs\(y - y_previous\) / \(.+ \* (max\(.+, [\d.]+\))\))\)$")
+"""How an element that yields smoothly nears what holds it: what is left to it, the way over its own, what holds it."""
+SINE, OVERTONE, OVERTONES = re.compile(r"sin\(y / (y_x|\(.+?\))\)"), "b_x", (0.3, -0.3)
+"""What is periodic along the way, the symbol of its overtone's share, and from where that is fitted."""
+NEARLY_ONE, BENDS = 1.001, (0.6, 1.6)
+"""An exponent at which what is left falls exponentially, and from where it is fitted: one itself is a limit."""
 SMOOTHEST = {LENGTH["unit"]: LENGTH, SPEED["unit"]: SPEED}
 """Bounds of the width in which a corner is made smooth, by its unit."""
 
@@ -47,6 +53,10 @@ def refinements(
         yield _freed(term, group, exponent, number), [share * exponent for share in EXPONENTS]
     for number, (corner, table) in enumerate(_corners(term.declaration)):
         yield _smooth(term, corner, table, number), [share * abs(values[table.symbol]) for share in WIDTHS]
+    if any(YIELDS.search(one.update) for one in term.declaration.states):
+        yield _bent(term), BENDS
+    if SINE.search(term.declaration.force or "") and OVERTONE not in values:
+        yield _with_overtone(term), OVERTONES
     scales = [one for name, one in SCALED.items() if name in varied]
     scales += [one for name, size in conditions.items() for one in scales_of(name, size)]
     moved = [one for one in term.declaration.parameters if one.unit != "-" or one.symbol == linear_symbol(term.family)]
@@ -154,6 +164,34 @@ def _smooth(term: Term, corner: str, table: ParameterTable, number: int) -> Term
     return _refined(
         term, f"smooth{number or ''}", "beginning smoothly", entry,
         lambda text: text.replace(f"max({corner}, 0)", f"((sqrt(({corner})**2 + {symbol}**2) + {corner}) / 2)"),
+    )  # fmt: skip
+
+
+def _bent(term: Term) -> Term:
+    """Free Dahl's exponent (1968): of a way, what is left to yield falls in proportion to that power of itself."""
+    symbol = _new(EXPONENT, term)
+    entry: Entry = {"symbol": symbol, "unit": "-", "meaning": "exponent of what is left to yield", "start": NEARLY_ONE,
+                    "lower": 1 / FREEST, "upper": FREEST}  # fmt: skip
+
+    def changed(text: str) -> str:
+        found = YIELDS.search(text)
+        if found is None:
+            return text
+        left, way, most = found.groups()
+        share = f"(abs({left}) / {most} + {SMALLEST_BASIS})"
+        falls = f"max(1 + ({symbol} - 1) * {share}**({symbol} - 1) * {way}, 0)**(1 / (1 - {symbol}))"
+        return f"{text[: found.start()]}({left}) * {falls}"
+
+    return _refined(term, "yielding", "as a power of what is left to yield", entry, changed)
+
+
+def _with_overtone(term: Term) -> Term:
+    """Give what is periodic its first overtone: valleys needn't be as broad as the tops between them."""
+    entry: Entry = {"symbol": OVERTONE, "unit": "-", "meaning": "overtone over the sine", "start": 0.0, "neutral": 0.0,
+                    "lower": -FREEST, "upper": FREEST}  # fmt: skip
+    return _refined(
+        term, "overtone", "and an overtone of half the stretch", entry,
+        lambda text: SINE.sub(rf"(sin(y / \1) + {OVERTONE} * sin(2 * y / \1))", text),
     )  # fmt: skip
 
 

@@ -184,6 +184,18 @@ def _velocity(meaning: str, *shares: float) -> Entry:
     return {**SPEED, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
 
 
+AT_SPEED = (
+    ("_at_speed", f"(1 + r_x * (1 - exp(-{SIZE_V} / v_x)))", ", going from one level to another with the velocity",
+     (_velocity("velocity at which two thirds of the change are made", 1.0, 5.0),
+      {"symbol": "r_x", "unit": "-", "meaning": "level at speed over that next to rest, less 1", "start": (0.5, -0.5),
+       "lower": -0.95, "upper": 20.0})),
+    ("_by_speed", "(1 + (v / v_x)**2)**(p_x / 2)", ", rising or falling with a power of the velocity beyond one",
+     (_velocity("velocity beyond which it rises or falls", 1.0, 5.0),
+      _exponent("exponent of the velocity", 0.4, -0.4, lower=-2.0, upper=2.0))),
+)  # fmt: skip
+"""What holds an element that slips may follow the velocity, as in sliding bearings (Constantinou, Mokha and Reinhorn
+1990) and where yielding takes time (Cowper and Symonds 1957): name, factor > 0, words, parameters."""
+
 TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
         "upper": "100 / f_lowest", "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))}  # fmt: skip
 CREEPS = (0.005, 0.05, 0.5)
@@ -202,7 +214,7 @@ def elements() -> Iterator[Shape]:
         return {"symbol": "z_x", "unit": "-", "meaning": "strain of the element", "update": update}
 
     stored = f"{STRENGTH} * w_x * z_x**2 / 2"
-    for place, factor, where, further in WHERE_IT_ACTS:
+    for place, factor, where, further in (*WHERE_IT_ACTS, *AT_SPEED):
         limit = factor.replace("y_x", "q_x")
         own = tuple({**one, "symbol": "q_x"} if one["symbol"] == "y_x" else one for one in further)
         yield Shape(
