@@ -111,7 +111,7 @@ def test_the_cells_err_by_less_than_the_noise_of_a_good_rig(chi, beta):
         assert np.sqrt(np.mean(error**2)) < 0.003 * np.sqrt(np.mean(np.square(expected[200:])))
 
 
-WEN = {"k_b": 1000.0, "z_b": 100.0, "n_b": 1.0, "p_b": 0.0, "w_b": 0.3}
+WEN = {"k_b": 1000.0, "z_b": 100.0, "n_b": 1.0, "u_b": 0.0, "p_b": 0.0, "w_b": 0.3}
 
 
 @pytest.mark.parametrize("points", [2, 5, 200])
@@ -131,14 +131,24 @@ def test_wens_first_loading_for_n_2_is_a_hyperbolic_tangent(way, tolerance):
     )
 
 
-def by_small_steps(n, y, k=1000.0, most=100.0, steps=400):
-    """Wen's equation with beta = gamma, by Runge-Kutta's rule in small steps."""
+@pytest.mark.parametrize(("way", "tolerance"), [(0.1, 2e-4), (0.02, 2e-6)])
+def test_dahls_friction_unloads_by_the_exponential_that_it_loads_by(way, tolerance):
+    """Dahl (1968), exponent 1: dz/dy = k (1 - z/z_u sgn v), so z -> -z_u as exp(-k y/z_u) from wherever it turns."""
+    y = 0.1 * np.arange(0.0, 3.0, way)
+    there = along("bouc_wen", WEN | {"u_b": 1.0}, np.concatenate([y, y[-2::-1]]))
+    turn = 100.0 * -np.expm1(-10.0 * y[-1])
+    expected = -100.0 + (turn + 100.0) * np.exp(-10.0 * (y[-1] - y[-2::-1]))
+    np.testing.assert_allclose(there[len(y) :], expected, atol=100 * tolerance)
+
+
+def by_small_steps(n, y, u=0.0, k=1000.0, most=100.0, steps=400):
+    """Wen's equation by Runge-Kutta's rule in small steps."""
     z, found, before = 0.0, [], 0.0
     for place in y:
         move = (place - before) / steps
 
         def slope(force, move=move):
-            return k * (1 - abs(force / most) ** n if force * move > 0 else 1.0)
+            return k * (1 + (u if force * move < 0 else -1.0) * abs(force / most) ** n)
 
         for _ in range(steps):
             one = slope(z)
@@ -151,12 +161,15 @@ def by_small_steps(n, y, k=1000.0, most=100.0, steps=400):
     return np.array(found)
 
 
-@pytest.mark.parametrize("n", [1.0, 1.3, 3.0, 6.0])
-def test_wens_loops_within_the_stated_tolerance(n):
+@pytest.mark.parametrize(
+    ("n", "u"), [(1.0, 0.0), (1.3, 0.0), (3.0, 0.0), (6.0, 0.0), (1.0, 0.4), (2.0, 1.0), (4.0, 2.0)]
+)
+def test_wens_loops_within_the_stated_tolerance(n, u):
     """A quarter of z_u/k to a step at most: within 1e-4 of z_u, and 2e-5 more for the small steps' own error."""
     y = 0.6 * np.sin(2 * np.pi * np.arange(1, 308) / 153.5)
     assert 2 * np.pi / 153.5 * 0.6 * 10.0 == pytest.approx(0.25, rel=0.02)
-    np.testing.assert_allclose(along("bouc_wen", WEN | {"n_b": n}, y), by_small_steps(n, y), atol=0.012)
+    expected = by_small_steps(n, y, u)
+    np.testing.assert_allclose(along("bouc_wen", WEN | {"n_b": n, "u_b": u}, y), expected, atol=0.012)
 
 
 def test_pinching_takes_stiffness_at_zero_force_and_leaves_the_ultimate_force():

@@ -1,19 +1,25 @@
-"""Bouc-Wen with pinching: dz/dy = k_b (1 - |z/z_b|^n_b) while |z| grows, else k_b; F = z (1 - p exp(-(z/w)^2)).
+"""Bouc-Wen with pinching: F = z (1 - p exp(-(z/w)^2)), and while |z| grows dz/dy = k_b (1 - |z/z_b|^n_b).
+
+While |z| falls dz/dy = k_b (1 + u_b |z/z_b|^n_b): elastic for u_b = 0 (Wen's beta = gamma), Dahl's for n_b = u_b = 1
+(gamma = 0). Wen's u_b is (beta - gamma)/(beta + gamma); below 0 it would create energy.
 
 What is left to z_b falls as exp(-rate way), with a rate between 1 and n_b that changes little within a step; the four
 stages of Runge and Kutta give its mean. So a step is exact for n_b = 1, whatever its size, and otherwise (n_b up to 6)
-within 1e-4 of z_b where it is a quarter of z_b/k_b, within 1.3e-3 where it is half of that.
+within 1e-4 of z_b where it is a quarter of z_b/k_b, within 1.3e-3 where it is half of that. Unloading goes by the same
+stages; where a step passes zero force the way there is by Gauss's rule of two points.
 """
 
 import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
-from pipeclamp_models.equations.literature import BABER, FOLIENTE, WEN
+from pipeclamp_models.equations.literature import BABER, DAHL, FOLIENTE, WEN
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
-k_b, z_b, n_b, p_b, w_b, z = sp.symbols("k_b z_b n_b p_b w_b z_h", real=True)
+k_b, z_b, n_b, u_b, p_b, w_b, z = sp.symbols("k_b z_b n_b u_b p_b w_b z_h", real=True)
 slip, stiffness = sp.symbols("slip_b stick_b", real=True)
 way, load, start, left = sp.symbols("x_b load_b load_from x_left", real=True)
+unload, back = sp.symbols("unload_b back_b", real=True)
+steeps = sp.symbols("s_b1:5", real=True)
 rates = sp.symbols("b_b1:5", real=True)
 direction = sp.Piecewise((1, y >= y_previous), (-1, True))
 
@@ -36,13 +42,33 @@ def rate(loaded: sp.Expr) -> sp.Expr:
     return (1 - most**n_b) / (1 - most)
 
 
+def steepness(unloaded: sp.Expr) -> sp.Expr:
+    """Give how steep unloading is, over the stiffness, where so much of the ultimate force is left."""
+    return 1 + u_b * sp.Max(SMALLEST, sp.Min(unloaded, 1)) ** n_b
+
+
+GAUSS = (sp.Rational(1, 2) - sp.sqrt(3) / 6, sp.Rational(1, 2) + sp.sqrt(3) / 6)
+"""Points of Gauss's rule over a stretch of 1, which weigh alike."""
+
+
+WHATS = ("at first", "in the middle", "in the middle again", "in the end")
+
+
 def stages_of_rate() -> tuple[Stage, ...]:
-    """Give Runge-Kutta's four rates of a step."""
+    """Give Runge-Kutta's four rates of a step that yields."""
     places = (start, after(left * rates[0] / 2), after(left * rates[1] / 2), after(left * rates[2]))
-    whats = ("at first", "in the middle", "in the middle again", "in the end")
     return tuple(
         Stage(symbol, "-", f"rate of yielding {what}", rate(place))
-        for symbol, place, what in zip(rates, places, whats, strict=True)
+        for symbol, place, what in zip(rates, places, WHATS, strict=True)
+    )
+
+
+def stages_of_steepness() -> tuple[Stage, ...]:
+    """Give Runge-Kutta's four slopes of a step that unloads."""
+    places = (unload, unload - way * steeps[0] / 2, unload - way * steeps[1] / 2, unload - way * steeps[2])
+    return tuple(
+        Stage(symbol, "-", f"steepness of unloading {what}", steepness(place))
+        for symbol, place, what in zip(steeps, places, WHATS, strict=True)
     )
 
 
@@ -51,6 +77,10 @@ loaded = sp.Max(0, load)
 yielded = loaded + (1 - loaded) * (1 - sp.exp(-left * mean))
 """Load after a step that yields: one that is next to none stays as it is at rest, so that its slope is known there."""
 
+way_back = unload * sum(1 / steepness(unload * at) for at in GAUSS) / 2
+unloading = load + way * (steeps[0] + 2 * steeps[1] + 2 * steeps[2] + steeps[3]) / 6
+"""Load after a step that takes back no more than there was."""
+
 starts = [share * F_typical for share in (0.15, 0.12, 0.08)]
 limits = [share * A_typical for share in (0.05, 0.2, 0.6)]
 
@@ -58,7 +88,7 @@ EFFECT = Effect(
     id="bouc_wen",
     part="clamp",
     does="hysteresis that yields smoothly, pinched at zero force",
-    source=f"{WEN}, with beta = gamma, so that unloading is elastic; {BABER}: slip-lock at zero force; {FOLIENTE}. "
+    source=f"{WEN}; {DAHL}; {BABER}: slip-lock at zero force; {FOLIENTE}. "
     "Here the pinching is a function of the force alone, which leaves steps exact",
     looks_like="a loop that yields smoothly after each reversal and is narrow where the force passes zero; "
     "rate-independent",
@@ -74,6 +104,10 @@ EFFECT = Effect(
         Parameter(z_b, "N", "ultimate force", tuple(starts), lower=1e-4 * F_typical, upper=10 * F_typical),
         Parameter(n_b, "-", "sharpness of the yield", (1.5,) * 3, lower=1.0, upper=8.0),
         Parameter(
+            u_b, "-", "steepness gained on unloading from the ultimate force, over k_b", (0.0,) * 3,
+            lower=0.0, upper=3.0, neutral=0.0, typical=1.0,
+        ),
+        Parameter(
             p_b, "-", "pinching: share of the stiffness lost at zero force", (0.3,) * 3, lower=0.0, upper=0.95,
             neutral=0.0,
         ),
@@ -87,13 +121,16 @@ EFFECT = Effect(
         Stage(way, "-", "way of the step over z_b/k_b", stiffness * sp.Abs(y - y_previous) / slip),
         Stage(load, "-", "force over z_b, positive where the step loads it", sp.Min(1, direction * z / slip)),
         Stage(start, "-", "load from which it yields", sp.Max(SMALLEST, sp.Min(load, LARGEST))),
-        Stage(left, "-", "way that is left for it", sp.Max(0, sp.Min(way + sp.Min(load, 0), ENOUGH))),
+        Stage(unload, "-", "force over z_b that the step takes back first", sp.Max(0, -load)),
+        *stages_of_steepness(),
+        Stage(back, "-", "way over z_b/k_b to zero force", way_back),
+        Stage(left, "-", "way that is left for it", sp.Max(0, sp.Min(way - back, ENOUGH))),
         *stages_of_rate(),
     ),
     states=(
         State(
             z, "N", "force before pinching",
-            update=direction * slip * sp.Piecewise((load + way, load + way <= 0), (yielded, True)),
+            update=direction * slip * sp.Piecewise((unloading, way + sp.Max(0, load) <= back), (yielded, True)),
         ),
     ),
     energy=compliance(stiffness) * (z**2 + p_b * (w_b * slip) ** 2 * (sp.exp(-((z / (w_b * slip)) ** 2)) - 1)) / 2,

@@ -76,6 +76,7 @@ WEN = (
     "Wen: Method for Random Vibration of Hysteretic Systems, Journal of the Engineering Mechanics Division 102(2), "
     "249-263 (1976)"
 )
+DAHL = "Dahl: A Solid Friction Model, Aerospace Corporation Report TOR-0158(3107-18)-1 (1968)"
 BABER = (
     "Baber and Noori: Random Vibration of Degrading, Pinching Systems, Journal of Engineering Mechanics 111(8), "
     "1010-1026 (1985)"
