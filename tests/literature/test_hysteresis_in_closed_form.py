@@ -111,7 +111,7 @@ def test_the_cells_err_by_less_than_the_noise_of_a_good_rig(chi, beta):
         assert np.sqrt(np.mean(error**2)) < 0.003 * np.sqrt(np.mean(np.square(expected[200:])))
 
 
-WEN = {"k_b": 1000.0, "z_b": 100.0, "n_b": 1.0, "u_b": 0.0, "p_b": 0.0, "w_b": 0.3}
+WEN = {"k_b": 1000.0, "z_b": 100.0, "n_b": 1.0, "s_b": 0.0, "p_b": 0.0, "w_b": 0.3}
 
 
 @pytest.mark.parametrize("points", [2, 5, 200])
@@ -135,7 +135,7 @@ def test_wens_first_loading_for_n_2_is_a_hyperbolic_tangent(way, tolerance):
 def test_dahls_friction_unloads_by_the_exponential_that_it_loads_by(way, tolerance):
     """Dahl (1968), exponent 1: dz/dy = k (1 - z/z_u sgn v), so z -> -z_u as exp(-k y/z_u) from wherever it turns."""
     y = 0.1 * np.arange(0.0, 3.0, way)
-    there = along("bouc_wen", WEN | {"u_b": 1.0}, np.concatenate([y, y[-2::-1]]))
+    there = along("bouc_wen", WEN | {"s_b": 1.0}, np.concatenate([y, y[-2::-1]]))
     turn = 100.0 * -np.expm1(-10.0 * y[-1])
     expected = -100.0 + (turn + 100.0) * np.exp(-10.0 * (y[-1] - y[-2::-1]))
     np.testing.assert_allclose(there[len(y) :], expected, atol=100 * tolerance)
@@ -169,7 +169,7 @@ def test_wens_loops_within_the_stated_tolerance(n, u):
     y = 0.6 * np.sin(2 * np.pi * np.arange(1, 308) / 153.5)
     assert 2 * np.pi / 153.5 * 0.6 * 10.0 == pytest.approx(0.25, rel=0.02)
     expected = by_small_steps(n, y, u)
-    np.testing.assert_allclose(along("bouc_wen", WEN | {"n_b": n, "u_b": u}, y), expected, atol=0.012)
+    np.testing.assert_allclose(along("bouc_wen", WEN | {"n_b": n, "s_b": u}, y), expected, atol=0.012)
 
 
 def test_pinching_takes_stiffness_at_zero_force_and_leaves_the_ultimate_force():

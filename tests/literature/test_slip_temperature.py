@@ -10,7 +10,7 @@ from pipeclamp_models.realise.motion import sinusoids
 SLOPE, BEND, SOFTER = -0.3, 0.1, -0.15
 ELEMENTS = {
     "memory": {"k_s": 900.0, "z_s": 120.0},
-    "bouc_wen": {"k_b": 900.0, "z_b": 120.0, "n_b": 2.0, "u_b": 0.5, "p_b": 0.4, "w_b": 0.3},
+    "bouc_wen": {"k_b": 900.0, "z_b": 120.0, "n_b": 2.0, "s_b": 0.5, "p_b": 0.4, "w_b": 0.3},
     "self_centring": {"k_c": 900.0, "F_u": 120.0, "beta_c": 0.6},
     "slip_spread": {"K_T": 900.0, "F_S": 120.0, "chi": -0.5, "beta_S": 0.3},
     "directional_slip": {"k_d": 900.0, "z_p": 120.0, "z_n": 80.0},

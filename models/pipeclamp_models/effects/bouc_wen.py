@@ -1,7 +1,7 @@
 """Bouc-Wen with pinching: F = z (1 - p exp(-(z/w)^2)), and while |z| grows dz/dy = k_b (1 - |z/z_b|^n_b).
 
-While |z| falls dz/dy = k_b (1 + u_b |z/z_b|^n_b): elastic for u_b = 0 (Wen's beta = gamma), Dahl's for n_b = u_b = 1
-(gamma = 0). Wen's u_b is (beta - gamma)/(beta + gamma); below 0 it would create energy.
+While |z| falls dz/dy = k_b (1 + s_b |z/z_b|^n_b): elastic for s_b = 0 (Wen's beta = gamma), Dahl's for n_b = s_b = 1
+(gamma = 0). Wen's s_b is (beta - gamma)/(beta + gamma); below 0 it would create energy.
 
 What is left to z_b falls as exp(-rate way), with a rate between 1 and n_b that changes little within a step; the four
 stages of Runge and Kutta give its mean. So a step is exact for n_b = 1, whatever its size, and otherwise (n_b up to 6)
@@ -15,11 +15,11 @@ from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, St
 from pipeclamp_models.equations.literature import BABER, DAHL, FOLIENTE, WEN
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, y, y_previous
 
-k_b, z_b, n_b, u_b, p_b, w_b, z = sp.symbols("k_b z_b n_b u_b p_b w_b z_h", real=True)
+k_b, z_b, n_b, s_b, p_b, w_b, z = sp.symbols("k_b z_b n_b s_b p_b w_b z_h", real=True)
 slip, stiffness = sp.symbols("slip_b stick_b", real=True)
 way, load, start, left = sp.symbols("x_b load_b load_from x_left", real=True)
 unload, back = sp.symbols("unload_b back_b", real=True)
-steeps = sp.symbols("s_b1:5", real=True)
+steeps = sp.symbols("steep_b1:5", real=True)
 rates = sp.symbols("b_b1:5", real=True)
 direction = sp.Piecewise((1, y >= y_previous), (-1, True))
 
@@ -44,7 +44,7 @@ def rate(loaded: sp.Expr) -> sp.Expr:
 
 def steepness(unloaded: sp.Expr) -> sp.Expr:
     """Give how steep unloading is, over the stiffness, where so much of the ultimate force is left."""
-    return 1 + u_b * sp.Max(SMALLEST, sp.Min(unloaded, 1)) ** n_b
+    return 1 + s_b * sp.Max(SMALLEST, sp.Min(unloaded, 1)) ** n_b
 
 
 GAUSS = (sp.Rational(1, 2) - sp.sqrt(3) / 6, sp.Rational(1, 2) + sp.sqrt(3) / 6)
@@ -104,7 +104,7 @@ EFFECT = Effect(
         Parameter(z_b, "N", "ultimate force", tuple(starts), lower=1e-4 * F_typical, upper=10 * F_typical),
         Parameter(n_b, "-", "sharpness of the yield", (1.5,) * 3, lower=1.0, upper=8.0),
         Parameter(
-            u_b, "-", "steepness gained on unloading from the ultimate force, over k_b", (0.0,) * 3,
+            s_b, "-", "steepness gained on unloading from the ultimate force, over k_b", (0.0,) * 3,
             lower=0.0, upper=3.0, neutral=0.0, typical=1.0,
         ),
         Parameter(

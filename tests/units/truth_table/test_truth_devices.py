@@ -189,6 +189,9 @@ def test_a_device_is_put_to_the_package_as_a_user_would(monkeypatch):
         def __init__(self, campaign):
             assert len(campaign.runs) == 16
 
+        def without_spare_powers(self, *_):
+            return None
+
         def diagnose(self, file, **_):
             return SimpleNamespace(
                 verdict="complete", effects=(), values={}, diagnosis=SimpleNamespace(reasons=("it fits",))
