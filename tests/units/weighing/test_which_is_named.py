@@ -588,18 +588,23 @@ def test_no_pair_is_the_cause_where_one_that_acts_alike_fits_as_well(akaike, par
     assert (told in asked.reasons) == (kind == "part")
 
 
-@pytest.mark.parametrize(("left", "kind"), [(8.0, "cause"), (55.0, "part")])
-@pytest.mark.parametrize(("akaike", "told"), [(96.0, True), (104.0, False)])
-def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(akaike, told, left, kind, monkeypatch):
-    """It is the name that stays open, though no rival comes near: a spread of relaxation times, or one."""
-    special, general = candidate("relaxation", left, 100.0), candidate("relaxation_spread", left - 1.0, 92.0)
+def one_relaxation_beside_a_spread(monkeypatch, left, squares, akaike):
+    """Weigh a special case that leaves so much, and its general effect with these squares and this criterion."""
+    special, general = candidate("relaxation", left, 100.0), candidate("relaxation_spread", left - 1.0, squares)
     general.akaike = akaike
     for each in (special, general):
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law = candidate("", 100.0, 1000.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
     stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [one for one in others if one not in (best, law)])
-    found = weighed(law, [general, special])
+    return weighed(law, [general, special])
+
+
+@pytest.mark.parametrize(("left", "kind"), [(8.0, "cause"), (55.0, "part")])
+@pytest.mark.parametrize(("akaike", "told"), [(96.0, True), (104.0, False)])
+def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(akaike, told, left, kind, monkeypatch):
+    """It is the name that stays open, though no rival comes near: a spread of relaxation times, or one."""
+    found = one_relaxation_beside_a_spread(monkeypatch, left, 92.0, akaike)
     assert (found.kind, found.effects) == (kind, ("relaxation",))
     assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told
 
@@ -607,14 +612,7 @@ def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(a
 @pytest.mark.parametrize(("akaike", "kind"), [(92.0, "cause"), (89.0, "part")])
 def test_no_special_case_is_the_cause_where_the_fit_clearly_prefers_the_general_effect(akaike, kind, monkeypatch):
     """Of a strong spread of relaxation times one relaxation left 0.3 times the noise, and was the cause."""
-    special, general = candidate("relaxation", 8.0, 100.0), candidate("relaxation_spread", 7.0, 95.0)
-    general.akaike = akaike
-    for each in (special, general):
-        each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
-    law = candidate("", 100.0, 1000.0)
-    law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
-    stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [one for one in others if one not in (best, law)])
-    found = weighed(law, [general, special])
+    found = one_relaxation_beside_a_spread(monkeypatch, 8.0, 95.0, akaike)
     assert (found.kind, found.effects) == (kind, ("relaxation",))
     assert ("clearly prefers relaxation_spread" in found.reasons[0]) == (kind == "part")
 
