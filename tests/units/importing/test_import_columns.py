@@ -136,6 +136,16 @@ def test_a_bearings_load_is_not_its_force():
     assert not asked("shear_kN", "force=shear_kN,load_kN=vertical_load_kN")
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("largest", [0.0, 1e298, 1e-310])
+def test_whether_a_force_moves_is_told_of_any_numbers(largest):
+    """As of a damaged file, whose numbers have squares beyond all numbers."""
+    t = np.arange(40.0)
+    channels = {"time_s": t, "disp_mm": np.sin(t), "force_N": largest * np.sin(t)}
+    loaded = RawTable("", tuple(Channel(one, "", values) for one, values in channels.items()))
+    assert not map_columns(loaded).questions
+
+
 def test_channels_of_one_quantity_are_told_apart_by_their_samples():
     """Dewesoft gives each channel its own time; Instron's time of a cycle begins anew with each."""
     t = np.arange(40.0)

@@ -122,7 +122,11 @@ def _move_in_its_place(force: Channel, channels: Sequence[Channel]) -> list[Chan
 def _moves(channel: Channel) -> bool:
     """Tell whether a channel's values differ by more than the noise of a constant one."""
     values = channel.values[np.isfinite(channel.values)]
-    return bool(len(values) and np.std(values) > STILL_SHARE * abs(float(np.mean(values))))
+    largest = float(np.max(np.abs(values), initial=0.0))
+    if largest == 0:
+        return False
+    shares = values / largest  # the squares of a damaged file's numbers may be beyond all numbers
+    return bool(np.std(shares) > STILL_SHARE * abs(float(np.mean(shares))))
 
 
 def _that_go_on(times: Sequence[Channel]) -> Sequence[Channel]:
