@@ -16,7 +16,7 @@ from pipeclamp_identification.fitting.group_factors import PooledObservations
 from pipeclamp_identification.fitting.groups import factors_of, find_groups, has_groups
 from pipeclamp_identification.fitting.groups_answer import groups_answer
 from pipeclamp_identification.fitting.joint.fitted import Fit
-from pipeclamp_identification.fitting.joint.not_fitted import HELD, IDLE, WISHED
+from pipeclamp_identification.fitting.joint.not_fitted import OF_THE_LAW
 from pipeclamp_identification.fitting.least_squares import FIT_TOLERANCE, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
@@ -362,7 +362,7 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
     for parameter in result.equations.parameters:
         name = parameter.name
         if name in result.frozen:
-            state: CoefficientState = "held" if result.frozen[name] in (HELD, IDLE, WISHED) else "frozen"
+            state: CoefficientState = "held" if result.frozen[name] in OF_THE_LAW else "frozen"
         elif name in result.at_bound:
             state = "at_bound"
         else:

@@ -9,6 +9,8 @@ within 1e-4 of z_b where it is a quarter of z_b/k_b, within 1.3e-3 where it is h
 stages; where a step passes zero force the way there is by Gauss's rule of two points.
 """
 
+from collections.abc import Sequence
+
 import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
@@ -51,34 +53,31 @@ GAUSS = (sp.Rational(1, 2) - sp.sqrt(3) / 6, sp.Rational(1, 2) + sp.sqrt(3) / 6)
 """Points of Gauss's rule over a stretch of 1, which weigh alike."""
 
 
-WHATS = ("at first", "in the middle", "in the middle again", "in the end")
+WHENS = ("at first", "in the middle", "in the middle again", "in the end")
+"""Where in a step Runge and Kutta's four stages lie."""
 
 
-def stages_of_rate() -> tuple[Stage, ...]:
-    """Give Runge-Kutta's four rates of a step that yields."""
-    places = (start, after(left * rates[0] / 2), after(left * rates[1] / 2), after(left * rates[2]))
+def four_stages(symbols: Sequence[sp.Symbol], what: str, slopes: Sequence[sp.Expr]) -> tuple[Stage, ...]:
+    """Give Runge and Kutta's four stages of a step."""
     return tuple(
-        Stage(symbol, "-", f"rate of yielding {what}", rate(place))
-        for symbol, place, what in zip(rates, places, WHATS, strict=True)
+        Stage(symbol, "-", f"{what} {when}", slope) for symbol, when, slope in zip(symbols, WHENS, slopes, strict=True)
     )
 
 
-def stages_of_steepness() -> tuple[Stage, ...]:
-    """Give Runge-Kutta's four slopes of a step that unloads."""
-    places = (unload, unload - way * steeps[0] / 2, unload - way * steeps[1] / 2, unload - way * steeps[2])
-    return tuple(
-        Stage(symbol, "-", f"steepness of unloading {what}", steepness(place))
-        for symbol, place, what in zip(steeps, places, WHATS, strict=True)
-    )
+def six_times_the_mean(stages: Sequence[sp.Symbol]) -> sp.Expr:
+    """Give the sum of four stages, as Runge and Kutta weigh them."""
+    return stages[0] + 2 * stages[1] + 2 * stages[2] + stages[3]
 
 
-mean = (rates[0] + 2 * rates[1] + 2 * rates[2] + rates[3]) / 6
+yielding_from = (start, after(left * rates[0] / 2), after(left * rates[1] / 2), after(left * rates[2]))
+unloading_from = (unload, unload - way * steeps[0] / 2, unload - way * steeps[1] / 2, unload - way * steeps[2])
+mean = six_times_the_mean(rates) / 6
 loaded = sp.Max(0, load)
 yielded = loaded + (1 - loaded) * (1 - sp.exp(-left * mean))
 """Load after a step that yields: one that is next to none stays as it is at rest, so that its slope is known there."""
 
 way_back = unload * sum(1 / steepness(unload * at) for at in GAUSS) / 2
-unloading = load + way * (steeps[0] + 2 * steeps[1] + 2 * steeps[2] + steeps[3]) / 6
+unloading = load + way * six_times_the_mean(steeps) / 6
 """Load after a step that takes back no more than there was."""
 
 starts = [share * F_typical for share in (0.15, 0.12, 0.08)]
@@ -122,10 +121,10 @@ EFFECT = Effect(
         Stage(load, "-", "force over z_b, positive where the step loads it", sp.Min(1, direction * z / slip)),
         Stage(start, "-", "load from which it yields", sp.Max(SMALLEST, sp.Min(load, LARGEST))),
         Stage(unload, "-", "force over z_b that the step takes back first", sp.Max(0, -load)),
-        *stages_of_steepness(),
+        *four_stages(steeps, "steepness of unloading", [steepness(place) for place in unloading_from]),
         Stage(back, "-", "way over z_b/k_b to zero force", way_back),
         Stage(left, "-", "way that is left for it", sp.Max(0, sp.Min(way - back, ENOUGH))),
-        *stages_of_rate(),
+        *four_stages(rates, "rate of yielding", [rate(place) for place in yielding_from]),
     ),
     states=(
         State(

@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.run_scatter import directions, of_a_shif
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.joint.beforehand import parameter_bounds
-from pipeclamp_identification.fitting.joint.not_fitted import DENIED, HELD, IDLE, WISHED
+from pipeclamp_identification.fitting.joint.not_fitted import DENIED, OF_THE_LAW
 from pipeclamp_identification.fitting.observations import (
     SAMPLES_PER_CYCLE,
     data_scales,
@@ -71,7 +71,7 @@ def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
     result, observations = judged.result, diagnosis.problem.observations
     equations = result.equations
     lower, upper = parameter_bounds(equations, data_scales(observations))
-    held = {name for name, reason in result.frozen.items() if reason not in (HELD, IDLE, WISHED, DENIED)}
+    held = {name for name, reason in result.frozen.items() if reason not in (*OF_THE_LAW, DENIED)}
     opened = [
         place
         for place, name in enumerate(equations.names)

@@ -11,6 +11,8 @@ from pipeclamp_models.law.law import Equations, Structure, find_base
 HELD = "held by the law's structure"
 WISHED = "held by wish"
 IDLE = "held where it does nothing"
+OF_THE_LAW = (HELD, IDLE, WISHED)
+"""Reasons that lie in what the law is to be, and not in the tests."""
 DENIED = "at rest before the tests there is no such force"
 STATED = "taken from the tests: others are stated at it"
 ONE_AMPLITUDE = "A doesn't vary, and without records nothing shows the loops' shape"
