@@ -9,7 +9,8 @@ RUNS = ("a", "b", "c", "d")
 
 
 def condition(key, *rows):
-    return Condition(key, key, "", tuple(Level(str(place), place, place, np.array(level)) for place, level in enumerate(rows)))
+    levels = (Level(str(place), place, place, np.array(level)) for place, level in enumerate(rows))
+    return Condition(key, key, "", tuple(levels))
 
 
 A, F = condition("A", [0, 1], [2, 3]), condition("f", [0, 1, 2, 3])
