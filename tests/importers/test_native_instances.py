@@ -51,7 +51,13 @@ def test_a_drive_s_colon_may_be_encoded(takes, tmp_path, monkeypatch):
     resources, tried = takes
     shutil.copytree(resources, tmp_path / "C:" / "resources")
     monkeypatch.chdir(tmp_path)  # what is a drive on Windows is a folder here
-    for uri in ("file:///C:/resources", "file:///C%3A/resources", "file:///C%3a/resources", "file://C:/resources"):
+    for uri in (
+        "file:///C:/resources",
+        "file:///C%3A/resources",
+        "file:///C%3a/resources",
+        "file://C:/resources",
+        "file:\\\\\\C:/resources",
+    ):
         assert tried(uri), uri
 
 

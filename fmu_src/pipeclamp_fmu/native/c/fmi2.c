@@ -81,10 +81,10 @@ static char *path_of(const char *uri)
     begin = path;
     if (strncmp(begin, "//localhost/", 12) == 0)
         begin += 11;
-    else if (strncmp(begin, "//", 2) == 0 && (begin[2] == '/' || begins_with_drive(begin + 2)))
+    else if (strncmp(begin, "///", 3) == 0)
         begin += 2;
-    if (begin[0] == '/' && begins_with_drive(begin + 1)) /* /C:/folder */
-        begin++;
+    if (begins_with_drive(begin + strspn(begin, "/\\"))) /* /C:/folder, or \\C:\folder */
+        begin += strspn(begin, "/\\");
     memmove(path, begin, strlen(begin) + 1);
     return path;
 }
