@@ -68,3 +68,13 @@ def test_model_exchange_takes_the_motion_as_it_is(native, forces):
     as_it_is = ("time - step, displacement", "time, displacement")
     result = run_of_the_page(native.parent, as_it_is, ("stop_time=1.9", 'fmi_type="ModelExchange", stop_time=1.9'))
     np.testing.assert_allclose(result["flange.f"][1:], forces[1:], atol=1e-7)
+
+
+def test_a_loop_over_what_the_force_belongs_to_has_the_heat_for_its_area(native):
+    """In a tool that is late, too."""
+    late = ("time - step, displacement", "time, displacement"), ('["flange.f", ', '["flange.f", "memory.s", ')
+    result = run_of_the_page(native.parent, *late)
+    two_cycles = result[(result["time"] > 1.0 - 0.5 * STEP) & (result["time"] < 5 / 3 + 0.5 * STEP)]
+    force, place = two_cycles["flange.f"], two_cycles["memory.s"]
+    area = np.sum((force[1:] + force[:-1]) / 2 * np.diff(place))
+    assert area == pytest.approx(np.ptp(two_cycles["energyDissipated"]), rel=2e-3)
