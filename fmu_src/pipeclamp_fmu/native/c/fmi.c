@@ -46,8 +46,8 @@ static int begins_with_drive(const char *path)
 }
 
 /* Give the path of a file URI, to be freed; what is no URI is taken for a path. 2.0 has a URI and 3.0 a path, but tools
- * that import both may give what is the other's. A host other than this one stays before the path: //host/folder is what
- * Windows calls it. */
+ * that import both may give what is the other's. A host other than this one stays before the path: //host/folder is
+ * what Windows calls it. */
 static char *path_of(const char *uri)
 {
     char *path, *begin;
