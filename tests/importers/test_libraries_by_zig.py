@@ -92,12 +92,33 @@ def assert_alike(fmu, hosts, folder, environment, inputs, outputs, motion):
     np.testing.assert_allclose(windows, linux, rtol=LAST_DIGITS, atol=LAST_DIGITS * np.max(np.abs(linux)))
 
 
-def test_a_clamp_with_memory_is_the_same_under_windows(law_with_memory, hosts, wine_prefix, tmp_path):
-    fmu = tmp_path / "clamp.fmu"
+@pytest.fixture(scope="module")
+def clamp(law_with_memory, tmp_path_factory):
+    """Give the FMU of a clamp for Linux and Windows."""
+    fmu = tmp_path_factory.mktemp("clamp") / "clamp.fmu"
     build_native_clamp(law_with_memory, fmu, platforms=["linux64", "win64"])
+    return fmu
+
+
+def test_a_clamp_with_memory_is_the_same_under_windows(clamp, hosts, wine_prefix, tmp_path):
     omega, time = 2 * np.pi * 6.0, STEP * np.arange(1, STEPS + 1)
     motion = 5e-4 * np.column_stack([np.sin(omega * time), omega * np.cos(omega * time)])
-    assert_alike(fmu, hosts, tmp_path, wine_prefix, ["flange.s", "flange.v"], ["flange.f"], motion)
+    assert_alike(clamp, hosts, tmp_path, wine_prefix, ["flange.s", "flange.v"], ["flange.f"], motion)
+
+
+def test_under_windows_its_files_are_found_by_any_form_of_their_path(clamp, hosts, wine_prefix, tmp_path):
+    """UTF-8 in a URI, as the standard says; what a host's `main` is given is in the code page of the computer."""
+    folder = tmp_path / "Jörg's FMU (x86)"
+    fmpy.extract(str(clamp), unzipdir=str(folder))
+    description = fmpy.read_model_description(str(clamp))
+    library = folder / "binaries" / "win64" / f"{description.coSimulation.modelIdentifier}.dll"
+    backslashed = f"Z:{folder / 'resources'}".replace("/", "\\")
+    encoded = (folder / "resources").as_uri().replace("file:///", "file:///Z:/")
+    environment = {**wine_prefix, "LC_ALL": "C.UTF-8"}
+    for given in (encoded, f"\\\\?\\{backslashed}"):
+        command = [*hosts["win64"], str(library), description.guid, given, "0.001", "1", "7"]
+        done = subprocess.run(command, input="1e-4", env=environment, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, f"{given}: {done.stderr}"
 
 
 def test_a_pipe_is_the_same_under_windows(pipe_text, hosts, wine_prefix, tmp_path):

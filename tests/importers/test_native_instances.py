@@ -9,12 +9,15 @@ import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks
-from fmpy.fmi3 import FMU3Slave
+from fmpy.fmi3 import FMU3Slave, fmi3LogMessageCallback
 
 from pipeclamp_fmu.build import build_excitation, build_native_clamp, build_native_excitation
 from pipeclamp_fmu.contents.excitation import Samples
 from pipeclamp_fmu.native.compiler import system_compiler
 from pipeclamp_models.law.bundled import open_law
+
+LOG_MESSAGE = fmi3LogMessageCallback(lambda *_: None)
+"""Kept as long as an instance may call it."""
 
 
 @pytest.fixture
@@ -51,8 +54,30 @@ def test_a_drive_s_colon_may_be_encoded(takes, tmp_path, monkeypatch):
     resources, tried = takes
     shutil.copytree(resources, tmp_path / "C:" / "resources")
     monkeypatch.chdir(tmp_path)  # what is a drive on Windows is a folder here
-    for uri in ("file:///C:/resources", "file:///C%3A/resources", "file:///C%3a/resources", "file://C:/resources"):
+    for uri in (
+        "file:///C:/resources",
+        "file:///C%3A/resources",
+        "file:///C%3a/resources",
+        "file://C:/resources",
+        "file:\\\\\\C:/resources",
+    ):
         assert tried(uri), uri
+
+
+@pytest.mark.parametrize("form", ["path", "path with an end", "uri"])
+def test_fmi_3_takes_a_path_and_a_uri(native_fmus, tmp_path, form):
+    folder = tmp_path / "it's 100% %41 ünpacked"
+    description = fmpy.read_model_description(str(native_fmus[3]))
+    fmpy.extract(str(native_fmus[3]), unzipdir=str(folder))
+    name, resources = description.coSimulation.modelIdentifier, folder / "resources"
+    slave = FMU3Slave(
+        guid=description.instantiationToken, unzipDirectory=str(folder), modelIdentifier=name, instanceName=name
+    )
+    given = {"path": str(resources), "path with an end": f"{resources}/", "uri": resources.as_uri()}[form]
+    token = description.instantiationToken.encode()
+    instance = slave.fmi3InstantiateModelExchange(b"clamp", token, given.encode(), False, False, None, LOG_MESSAGE)
+    assert instance
+    slave.fmi3FreeInstance(instance)
 
 
 def test_a_host_stays_before_the_path(takes):

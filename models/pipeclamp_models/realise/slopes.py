@@ -12,17 +12,35 @@ StageSlopes = Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol]
 """What stands for the derivative of a stage by a symbol, where it doesn't vanish."""
 
 
+class _Magnitude(sp.Function):  # type: ignore[misc]
+    """|x| of an x that SymPy can't see to be real (a division in it is enough); its slope is the sign of x.
+
+    SymPy's own is x sign(x)/|x| there: 0/0 at x = 0.
+    """
+
+    is_real = True
+    is_nonnegative = True
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        return sp.sign(self.args[0])
+
+
+def _of_unseen(one: sp.Expr) -> bool:
+    return isinstance(one, sp.Abs) and not one.args[0].is_extended_real
+
+
 def slope_of(expression: sp.Expr, by: sp.Symbol, through: StageSlopes) -> sp.Expr | None:
     """Give a derivative, that by the way of stages included; None where the expression doesn't depend on the symbol.
 
     A jump has no slope but on a point, where none is needed: at a step the slope is that of its sides.
     """
     used = expression.free_symbols
+    expression = expression.replace(_of_unseen, lambda one: _Magnitude(one.args[0]))
     inner = [(stage, slope) for (stage, symbol), slope in through.items() if symbol == by and stage in used]
     if by not in used and not inner:
         return None
     total = sp.diff(expression, by) + sum(sp.diff(expression, stage) * slope for stage, slope in inner)
-    return total.replace(sp.DiracDelta, lambda *_: sp.Integer(0))
+    return total.replace(sp.DiracDelta, lambda *_: sp.Integer(0)).replace(_Magnitude, sp.Abs)
 
 
 def slopes_through(stages: Sequence[Definition], by: Sequence[sp.Symbol]) -> tuple[list[Definition], StageSlopes]:

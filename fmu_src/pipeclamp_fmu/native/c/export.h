@@ -2,6 +2,10 @@
 #ifndef EXPORT_H
 #define EXPORT_H
 
+#if defined(DISABLE_PREFIX) && !defined(FMI2_OVERRIDE_FUNCTION_PREFIX) /* its older name, which fmutool gives */
+#define FMI2_OVERRIDE_FUNCTION_PREFIX
+#endif
+
 #if defined(FMU_SHARED_LIBRARY) || defined(FMI2_OVERRIDE_FUNCTION_PREFIX) || defined(FMI3_OVERRIDE_FUNCTION_PREFIX)
 #define NAMED(name) name
 #else

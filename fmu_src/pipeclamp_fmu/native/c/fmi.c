@@ -16,6 +16,59 @@ enum {
     if (!instance_may(instance, (modes), __func__))                                                                    \
     return (Answer)STATUS_ERROR
 
+/* --- Where the FMU's files lie */
+
+static int hexadecimal(char digit)
+{
+    return digit >= '0' && digit <= '9' ? digit - '0'
+           : digit >= 'a' && digit <= 'f' ? digit - 'a' + 10
+           : digit >= 'A' && digit <= 'F' ? digit - 'A' + 10
+                                          : -1;
+}
+
+/* Write what a URI says behind its scheme. */
+static void decode(char *text, const char *uri)
+{
+    for (; *uri; uri++) {
+        if (uri[0] == '%' && hexadecimal(uri[1]) >= 0 && hexadecimal(uri[2]) >= 0) {
+            *text++ = (char)(16 * hexadecimal(uri[1]) + hexadecimal(uri[2]));
+            uri += 2;
+        } else {
+            *text++ = *uri;
+        }
+    }
+    *text = '\0';
+}
+
+static int begins_with_drive(const char *path)
+{
+    return path[0] && path[1] == ':';
+}
+
+/* Give the path of a file URI, to be freed; what is no URI is taken for a path. 2.0 has a URI and 3.0 a path, but tools
+ * that import both may give what is the other's. A host other than this one stays before the path: //host/folder is
+ * what Windows calls it. */
+static char *path_of(const char *uri)
+{
+    char *path, *begin;
+    if (!uri || !(path = malloc(strlen(uri) + 1)))
+        return NULL;
+    if (strncmp(uri, "file:", 5) != 0)
+        return strcpy(path, uri);
+    decode(path, uri + 5); /* before it is looked at: a drive's colon may be %3A */
+    begin = path;
+    if (strncmp(begin, "//localhost/", 12) == 0)
+        begin += 11;
+    else if (strncmp(begin, "///", 3) == 0)
+        begin += 2;
+    if (begins_with_drive(begin + strspn(begin, "/\\"))) /* /C:/folder, or \\C:\folder */
+        begin += strspn(begin, "/\\");
+    memmove(path, begin, strlen(begin) + 1);
+    return path;
+}
+
+/* --- What they have in common */
+
 /* Give the statuses of categories that are named, as bits; all where none is. */
 static int statuses_of(size_t count, const char *const names[])
 {

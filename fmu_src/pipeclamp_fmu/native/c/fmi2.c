@@ -41,54 +41,6 @@ FMU_API(const char *, fmi2GetVersion)(void)
     return "2.0";
 }
 
-static int hexadecimal(char digit)
-{
-    return digit >= '0' && digit <= '9' ? digit - '0'
-           : digit >= 'a' && digit <= 'f' ? digit - 'a' + 10
-           : digit >= 'A' && digit <= 'F' ? digit - 'A' + 10
-                                          : -1;
-}
-
-/* Write what a URI says behind its scheme. */
-static void decode(char *text, const char *uri)
-{
-    for (; *uri; uri++) {
-        if (uri[0] == '%' && hexadecimal(uri[1]) >= 0 && hexadecimal(uri[2]) >= 0) {
-            *text++ = (char)(16 * hexadecimal(uri[1]) + hexadecimal(uri[2]));
-            uri += 2;
-        } else {
-            *text++ = *uri;
-        }
-    }
-    *text = '\0';
-}
-
-static int begins_with_drive(const char *path)
-{
-    return path[0] && path[1] == ':';
-}
-
-/* Give the path of a file URI, to be freed; what is no URI is taken for a path. A host other than this one stays before
- * the path: //host/folder is what Windows calls it. */
-static char *path_of(const char *uri)
-{
-    char *path, *begin;
-    if (!uri || !(path = malloc(strlen(uri) + 1)))
-        return NULL;
-    if (strncmp(uri, "file:", 5) != 0)
-        return strcpy(path, uri);
-    decode(path, uri + 5); /* before it is looked at: a drive's colon may be %3A */
-    begin = path;
-    if (strncmp(begin, "//localhost/", 12) == 0)
-        begin += 11;
-    else if (strncmp(begin, "//", 2) == 0 && (begin[2] == '/' || begins_with_drive(begin + 2)))
-        begin += 2;
-    if (begin[0] == '/' && begins_with_drive(begin + 1)) /* /C:/folder */
-        begin++;
-    memmove(path, begin, strlen(begin) + 1);
-    return path;
-}
-
 FMU_API(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                         const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
 {

@@ -11,7 +11,8 @@
 #endif
 
 #ifdef STANDARD_HEADERS /* whoever compiles the sources has them; they name and export the functions */
-#if !defined(FMI2_FUNCTION_PREFIX)
+/* The first headers of FMI 2.0 don't know FMI2_OVERRIDE_FUNCTION_PREFIX: they take any prefix that is defined. */
+#if !defined(FMI2_FUNCTION_PREFIX) && !defined(FMI2_OVERRIDE_FUNCTION_PREFIX)
 #define FMI2_FUNCTION_PREFIX FUNCTION_PREFIX
 #endif
 #include "fmi2Functions.h"

@@ -21,7 +21,9 @@ static fmi3Instance instantiated(fmi3String name, fmi3String token, fmi3String f
                                  fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
 {
     char reason[TEXT] = "";
-    Instance *instance = instance_new(name, token, folder, co_simulation, reason);
+    char *path = path_of(folder);
+    Instance *instance = instance_new(name, token, path, co_simulation, reason);
+    free(path);
     if (!instance) {
         if (logger)
             logger(environment, fmi3Error, LOG_CATEGORIES[STATUS_ERROR], reason);

@@ -18,6 +18,21 @@
 static const char FILE_NAME[] = "values.txt";
 enum { PATH_LENGTH = 4096, LINE = 1024 };
 
+#ifdef _WIN32
+/* Slashes become backslashes, which a path that begins with \\?\ must have. */
+static FILE *opened_in(UINT code_page, const char *path)
+{
+    wchar_t wide[PATH_LENGTH], *at;
+    const DWORD strict = code_page == CP_UTF8 ? MB_ERR_INVALID_CHARS : 0;
+    if (!MultiByteToWideChar(code_page, strict, path, -1, wide, PATH_LENGTH))
+        return NULL;
+    for (at = wide; *at; at++)
+        if (*at == L'/')
+            *at = L'\\';
+    return _wfopen(wide, L"rb");
+}
+#endif
+
 static FILE *opened(const char *folder)
 {
     char path[PATH_LENGTH];
@@ -27,8 +42,8 @@ static FILE *opened(const char *folder)
         return NULL;
 #ifdef _WIN32
     {
-        wchar_t wide[PATH_LENGTH];
-        return MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, PATH_LENGTH) ? _wfopen(wide, L"rb") : NULL;
+        FILE *const file = opened_in(CP_UTF8, path); /* as both standards say; some tools give their own code page */
+        return file ? file : opened_in(CP_ACP, path);
     }
 #else
     return fopen(path, "rb");
