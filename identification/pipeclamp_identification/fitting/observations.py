@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.smoothing import averaged
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
+from pipeclamp_identification.signals.real_harmonics import as_real, for_both_parts, mean_squares_of, real_harmonics_of
 from pipeclamp_identification.signals.sampled_transform import sampled_transform
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError
@@ -74,25 +75,6 @@ class Observations(Protocol):
         """Give how many of the residuals are evidence; the others are zero, whatever the law."""
 
 
-def real_harmonics_of(samples: Array, count: int) -> Array:
-    """Give harmonics 0..count of periodic rows as real numbers: mean, then real and imaginary parts.
-
-    Args:
-        samples: shape (..., n), equally spaced over one cycle.
-        count: highest harmonic.
-
-    Returns:
-        shape (..., 2 count + 1): F_0, Re F_1, Im F_1, ..., where F = Re sum F_n exp(i n theta).
-    """
-    n = samples.shape[-1]
-    transform = np.fft.rfft(samples, axis=-1)[..., : count + 1] * (2.0 / n)
-    harmonics = np.empty((*samples.shape[:-1], 2 * count + 1))
-    harmonics[..., 0] = transform[..., 0].real / 2
-    harmonics[..., 1::2] = transform[..., 1:].real
-    harmonics[..., 2::2] = transform[..., 1:].imag
-    return harmonics
-
-
 def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Array:
     """Give the derivatives of a force's harmonics 0..count by some of the law's parameters, shape (P, R, m)."""
     return known_jacobian(law_force).through(lambda forces: real_harmonics_of(forces, count), parameters)
@@ -117,11 +99,6 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
         in_threads(fill, rows, sum(len(loops.phases[row]) for row in rows) / max(len(rows), 1))
     # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
     return averaged(own, loops.force_average)
-
-
-def mean_squares_of(harmonics: Array) -> Array:
-    """Give the mean square over the cycle of what has these harmonics, shape (R, m), by Parseval: shape (R,)."""
-    return np.asarray(harmonics[:, 0] ** 2 + np.sum(harmonics[:, 1:] ** 2, axis=1) / 2)
 
 
 @dataclass(frozen=True)
@@ -341,17 +318,12 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
 
 def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObservations:
     """Give the harmonics of loops as observations, in units of their scatter; laws are evaluated at so many points."""
-    harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
-    harmonics[:, 0] = loops.force[:, 0].real
-    harmonics[:, 1::2] = loops.force[:, 1:].real
-    harmonics[:, 2::2] = loops.force[:, 1:].imag
-    error = loops.force_standard_error
-    both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
+    error = for_both_parts(loops.force_standard_error)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES_PER_CYCLE), axis=1) / 2
     names, of_row = np.unique(loops.run, return_inverse=True)
     return LoopObservations(
-        loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples), loops.deny_constant_force,
-        of_row.astype(np.intp) if len(names) < len(loops.run) else None,
+        loop_motion(loops, samples), as_real(loops.force), error, amplitude, _transforms(loops, samples),
+        loops.deny_constant_force, of_row.astype(np.intp) if len(names) < len(loops.run) else None,
     )  # fmt: skip
 
 

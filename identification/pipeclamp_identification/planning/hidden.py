@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 from pipeclamp_identification.campaign.rig.plan import TestPlan
 from pipeclamp_identification.campaign.rig.truth import truth_of
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD
-from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE, mean_squares_of, real_harmonics_of
+from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of, real_harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS, grows_with_force

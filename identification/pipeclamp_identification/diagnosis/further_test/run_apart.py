@@ -19,7 +19,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     RUN_APART_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import fit
-from pipeclamp_identification.fitting.observations import mean_squares_of
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce, force_of_law
 
