@@ -23,6 +23,8 @@ from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.comparison.sentences import sentence
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
+from pipeclamp_identification.fitting.heldout import count_groups
 from pipeclamp_identification.workflow.next_command import after_change, after_identification, after_import
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -67,6 +69,8 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         edges=EDGES,
         worst=worst.runs[0] if worst else "",
         diagnosis=diagnosis,
+        groups=count_groups(bench.loops),
+        fewest_groups=FEWEST_GROUPS,
         runs=len(bench.loops.run),
         lines=_command_lines(project, name, diagnosis),
         discovery=discovery_in(project, name, project.law(name)) if name else None,
