@@ -62,9 +62,9 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
     rows.append(("law as it is", 100 * law.heldout_nrmse, *further, 0.0, "–"))
     header = (
         "with",
-        f"estimated error on left-out {left_out_at_once(diagnosis.loops)} / %",
+        f"error on left-out {left_out_at_once(diagnosis.loops)} / %",
         *(f"on left-out {name} / %" for name in law.heldout_by),
-        "of what is missing it takes / %",
+        "takes of missing / %",
         "speaks against it",
     )
     caption = (
