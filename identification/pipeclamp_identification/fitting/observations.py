@@ -27,7 +27,7 @@ FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
 SAMPLES_PER_CYCLE = 512
 """Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
-FEWEST_SAMPLES_PER_CYCLE = 64
+FEWEST_POINTS_PER_CYCLE = 64
 """Points at least, so that they show the harmonics."""
 GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
@@ -334,7 +334,7 @@ def points_enough(loops: Loops) -> int:
     """
     per_cycle = _samples_per_cycle(loops)
     sampled = POINTS_PER_SAMPLE * max((count for count in per_cycle if count < FEW_SAMPLES), default=0.0)
-    points = 2 * FEWEST_SAMPLES_PER_CYCLE
+    points = 2 * FEWEST_POINTS_PER_CYCLE
     while points < SAMPLES_PER_CYCLE and not (
         points >= sampled and GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse
     ):
@@ -348,7 +348,7 @@ def _samples_per_cycle(loops: Loops) -> list[float]:
 
 def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
     """Give loops at a quarter of the points, for fits that only lead near."""
-    return loop_observations(loops, max(FEWEST_SAMPLES_PER_CYCLE, observations.motion.y.shape[1] // 4))
+    return loop_observations(loops, max(FEWEST_POINTS_PER_CYCLE, observations.motion.y.shape[1] // 4))
 
 
 def as_seen_at_few(few: LoopObservations, many: LoopObservations, law: tuple[LawForce, LawForce]) -> LoopObservations:

@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign.fingerprint import digests_of
 from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable, Setup
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
+from pipeclamp_identification.loops.energies import stiffness_of_energy
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import condition_signal
@@ -50,7 +51,7 @@ class MetricRun:
     @property
     def stiffness(self) -> float:
         """Stiffness in N/mm that belongs to W: k = 2 W/X0^2, Eq. 4."""
-        return 2e3 * self.max_elastic_energy_J / self.amplitude_mm**2
+        return stiffness_of_energy(self.max_elastic_energy_J, self.amplitude_mm)
 
     @property
     def loss_factor(self) -> float:

@@ -9,7 +9,7 @@ from pipeclamp_models.base.said import message
 
 LONGEST_NAME_SOUGHT = 100
 """Characters of a name by which a known one is found: the search takes the square of their number."""
-ALIKE_SHARE, ALIKE_SHARE_OF_SHORT = 0.66, 0.5
+SPELLED_ALIKE_SHARE, SPELLED_ALIKE_SHARE_OF_SHORT = 0.66, 0.5
 """Of the letters of two names that are spelled much alike; of short ones one letter is another, as of "c3" and "c1"."""
 LONGEST_SHORT = 2
 """Letters of a short name; a longer one may abbreviate others."""
@@ -47,7 +47,9 @@ def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
     """
     sought, names = name[:LONGEST_NAME_SOUGHT], list(known)
     is_short = len(sought) <= LONGEST_SHORT
-    near = get_close_matches(sought, names, n=most, cutoff=ALIKE_SHARE_OF_SHORT if is_short else ALIKE_SHARE)
+    near = get_close_matches(
+        sought, names, n=most, cutoff=SPELLED_ALIKE_SHARE_OF_SHORT if is_short else SPELLED_ALIKE_SHARE
+    )
     if not near and not is_short:
         near = [one for one in names if sought.casefold() in one.casefold()][:most]
     return f"did you mean {' or '.join(map(repr, near))}? " if near else ""
