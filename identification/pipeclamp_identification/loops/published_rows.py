@@ -12,9 +12,8 @@ from importlib import resources
 from pipeclamp_identification.campaign.reading import Run
 from pipeclamp_identification.loops.energies import stiffness_of_energy
 
-# how far a run may lie from a published row's nominal conditions: what test rigs keep to
-RELATIVE = 0.02
-KELVINS = 5.0
+RELATIVE, KELVINS = 0.02, 5.0
+"""How far a run may lie from a published row's nominal conditions: what test rigs keep to."""
 
 
 @dataclass(frozen=True)

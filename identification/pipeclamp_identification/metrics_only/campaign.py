@@ -38,7 +38,15 @@ AGREEING_SHARE = 0.01
 
 @dataclass(frozen=True)
 class MetricRun:
-    """One loop: its motion, its energies in J, and what rounding leaves open of each, as a share."""
+    """One loop by its metrics.
+
+    Attributes:
+        name: of the run.
+        setup: the conditions of the test.
+        amplitude_mm, frequency_Hz: of its motion.
+        dissipated_energy_J, max_elastic_energy_J: dW and W.
+        rounding: what it leaves open of dW and of W, as shares.
+    """
 
     name: str
     setup: Setup
@@ -66,7 +74,16 @@ class MetricRun:
 
 @dataclass(frozen=True)
 class MetricCampaign:
-    """The loops of one clamp by their metrics, in runs.csv's order, and those that were left out."""
+    """The loops of one clamp by their metrics.
+
+    Attributes:
+        name, notes: of its description.
+        fingerprint: SHA-256 over all that it was read from.
+        runs: in runs.csv's order.
+        left_out: those that can't be used, and why.
+        condition_columns: of runs.csv, of further conditions.
+        time_measured: whether its frequencies are: otherwise loops were taken without a time.
+    """
 
     name: str
     notes: str
@@ -75,7 +92,6 @@ class MetricCampaign:
     left_out: tuple[LeftOut, ...]
     condition_columns: tuple[str, ...]
     time_measured: bool = True
-    """Whether its frequencies are: otherwise loops were taken without a time."""
 
 
 def metric_campaign_of(
