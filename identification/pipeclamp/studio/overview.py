@@ -20,7 +20,7 @@ from pipeclamp.studio.diagnosis_shown import DiagnosisShown, stamp
 from pipeclamp.studio.error_map import ErrorMap, error_map
 from pipeclamp.studio.project import SHOWN, Project
 from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
-from pipeclamp_identification.comparison.breakdown import conditions_of
+from pipeclamp_identification.comparison.conditions import conditions_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
 

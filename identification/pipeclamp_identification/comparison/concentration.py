@@ -10,8 +10,6 @@ import numpy as np
 
 from pipeclamp_identification.comparison.breakdown import (
     BRANCHES,
-    Breakdown,
-    Condition,
     Drift,
     along_cycles,
     along_loop,
@@ -21,6 +19,8 @@ from pipeclamp_identification.comparison.breakdown import (
     phase_edges,
     place_of,
 )
+from pipeclamp_identification.comparison.conditions import Condition
+from pipeclamp_identification.comparison.error_parts import Breakdown
 from pipeclamp_identification.comparison.sums import RunSums
 from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_identification.signals.levels import Level
@@ -36,7 +36,7 @@ PLACE_SETS = (
     ((0, 1), "on the way from the reversals to the middle"),
     ((3, 4), "on the way from the middle to the reversals"),
 )
-"""Places (of breakdown.PLACES) that have a name together."""
+"""Places of `LOOP_PLACES` that have a name together."""
 MUCH_OF_IT = 0.4
 """A region must hold this share of the error beyond scatter."""
 MOST_FACTORS_NAMED = 3

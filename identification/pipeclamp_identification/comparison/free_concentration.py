@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.concentration import (
     PLACE_SETS,
     Factor,
@@ -16,6 +15,7 @@ from pipeclamp_identification.comparison.concentration import (
     region_sentence,
     shares_words,
 )
+from pipeclamp_identification.comparison.conditions import Condition
 from pipeclamp_identification.comparison.free_breakdown import (
     DIRECTIONS,
     PLACE_NAMES,
