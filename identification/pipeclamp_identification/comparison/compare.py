@@ -19,9 +19,9 @@ from pipeclamp_identification.comparison.concentration import (
     harmonic_sentence,
     hidden_sentence,
     region,
-    region_sentence,
 )
 from pipeclamp_identification.comparison.conditions import Condition, conditions_of
+from pipeclamp_identification.comparison.densest_region import region_sentence
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples, free_conditions
 from pipeclamp_identification.comparison.free_concentration import OFTEN, free_words, outside_share
 from pipeclamp_identification.comparison.sentences import sentence

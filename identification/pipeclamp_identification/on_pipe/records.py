@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_identification.comparison.concentration import Factor, Region, densest, region_sentence
+from pipeclamp_identification.comparison.densest_region import Factor, Region, densest, region_sentence
 from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_measurement_description
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model

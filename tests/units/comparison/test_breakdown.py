@@ -12,9 +12,9 @@ from pipeclamp_identification.comparison.concentration import (
     farthest_off,
     harmonic_sentence,
     region,
-    region_sentence,
 )
 from pipeclamp_identification.comparison.conditions import conditions_of
+from pipeclamp_identification.comparison.densest_region import region_sentence
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.loops.loops import loops_of
 
