@@ -21,7 +21,7 @@ from pipeclamp.studio.diagnosis_shown import DiagnosisShown
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
-from pipeclamp.studio.project import Project
+from pipeclamp.studio.project import RESPONSE_SHOWN, Project
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.fitting.heldout import count_groups
@@ -80,7 +80,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         parent=project.parent(name) if name else None,
         folder=project.folder,
         temperatures=temperatures_of(bench.loops),
-        on_pipe=shown_on_pipe(project.folder / f"{name}.response.json") if name else None,
+        on_pipe=shown_on_pipe(project.folder / f"{name}{RESPONSE_SHOWN}") if name else None,
         made={suffix for suffix in ("fmu", "html") if name and (project.folder / f"{name}.{suffix}").is_file()},
     )
 
