@@ -103,11 +103,12 @@ def error_map(
         runs: their names.
         conditions: of the tests: A, f and further ones.
         sums: the law's squared error on each run; None where there is no law yet.
-        by: key of the further condition; by default the one over which the error is least even.
+        by: key of the further condition; by default the one over which the error is least even; none where each run
+            has a level of its own.
     """
     A, f, *further = conditions
-    varied = {condition.key: condition for condition in further if condition.varies}
-    chosen = varied.get(by) or _least_even(list(varied.values()), sums)
+    sorting = {condition.key: condition for condition in further if condition.sorts}
+    chosen = sorting.get(by) or _least_even(list(sorting.values()), sums)
     levels: list[tuple[str, Sequence[int]]] = (
         [(chosen.words(level), level.rows.tolist()) for level in chosen.levels] if chosen else [("", range(len(runs)))]
     )
@@ -127,7 +128,7 @@ def error_map(
     )
     return ErrorMap(
         chosen.key if chosen else "",
-        tuple((condition.key, condition.title) for condition in varied.values()),
+        tuple((condition.key, condition.title) for condition in sorting.values()),
         tuple(level.label for level in reversed(A.levels)),
         tuple(level.label for level in f.levels),
         panels,

@@ -42,6 +42,11 @@ class Condition:
         """Whether there is more than one level."""
         return len(self.levels) > 1
 
+    @property
+    def sorts(self) -> bool:
+        """Whether it varies and a level holds several runs: otherwise it tells runs apart, and puts none together."""
+        return self.varies and any(len(level.rows) > 1 for level in self.levels)
+
     def level_of(self, row: int) -> Level:
         """Give the level of a run."""
         return next(level for level in self.levels if row in level.rows)
