@@ -8,9 +8,9 @@ from pipeclamp.show.table import Table
 
 HEADER = (
     "with",
-    "estimated error on left-out A, f / %",
+    "error on left-out A, f / %",
     "on left-out temperature / %",
-    "of what is missing it takes / %",
+    "takes of missing / %",
     "speaks against it",
 )
 AGAINST = "z_p ran into its bound (0); the data determines no parameter of directional_slip; memory leaves as little"

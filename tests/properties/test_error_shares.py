@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeclamp_identification.comparison import breakdown
+from pipeclamp_identification.comparison.conditions import conditions_of
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.fitting.misfit import overall_noise, overall_nrmse
 from pipeclamp_identification.loops.loops import loops_of
@@ -53,7 +54,7 @@ def test_the_parts_add_up_to_the_whole(harmonic_record, run_of, campaign_of, mis
     whole, nrmse = sum(misfit.squared_error for misfit in misfits), overall_nrmse(misfits)
     over_samples = [breakdown.along_loop(sums), breakdown.by_place(sums), breakdown.by_branch(sums)]
     over_samples += [breakdown.along_cycles(sums)]
-    over_samples += [breakdown.by_condition(sums, one) for one in breakdown.conditions_of(campaign, loops)]
+    over_samples += [breakdown.by_condition(sums, one) for one in conditions_of(campaign, loops)]
     for parts in over_samples:
         force = sum(part.squared_force for part in parts.parts)
         assert force == pytest.approx(sum(misfit.squared_force for misfit in misfits))

@@ -93,6 +93,93 @@ class MonolithicResult:
     probe_acceleration: Array
 
 
+class _Coupled:
+    """Pipe and clamps as one set of equations, in modal displacements and velocities and the clamps' history states."""
+
+    def __init__(
+        self, pipe: ReducedPipe, clamps: Sequence[ClampEquations], excitation: Callable[[float], float]
+    ) -> None:
+        self.pipe, self.clamps, self.excitation = pipe, clamps, excitation
+        self.count = count = len(pipe.omega)
+        self.participation = np.array(pipe.excitation_participation)
+        self.shapes = np.array(pipe.clamp_shapes).reshape(len(clamps), count)
+        ends = 2 * count + np.cumsum([0] + [len(clamp.start) for clamp in clamps])
+        self.own = [slice(ends[i], ends[i + 1]) for i in range(len(clamps))]
+        """Where each clamp's history states stand."""
+        self.remembering = [(i, clamp, self.own[i]) for i, clamp in enumerate(clamps) if clamp.start]
+        self.both = slice(0, 2 * count)
+        """Where the modal displacements and velocities stand."""
+        # In one product each: the clamps' motion in mm and mm/s, and the rates under their forces.
+        still = np.zeros_like(self.shapes)
+        self.motion = 1e3 * np.block([[self.shapes, still], [still, self.shapes]])
+        self.free = np.block(
+            [[np.zeros((count, count)), np.eye(count)], [-pipe.stiffness_matrix, -pipe.damping_matrix]]
+        )
+        self.entering = np.vstack([np.zeros((count, 1 + len(clamps))), np.vstack([self.participation, -self.shapes]).T])
+        self.linear = np.hstack([self.free, self.entering])
+        self.loaded = np.empty(2 * count + 1 + len(clamps))
+
+    def start(self) -> Array:
+        """Give the state at rest, (2 modes + history states,)."""
+        return np.concatenate([np.zeros(2 * self.count), *(np.array(clamp.start) for clamp in self.clamps)])
+
+    def nothing(self) -> Array:
+        """Give what counts as nothing of each part of the state.
+
+        A nanometre of clamp motion in modal measure, a micronewton in the history states.
+        """
+        largest = float(np.abs(self.shapes).max(initial=0.0)) or 1.0
+        absolute = np.full(self.start().size, 1e-6)
+        absolute[: self.count] = 1e-12 / largest
+        absolute[self.count : 2 * self.count] = 1e-12 / largest * np.maximum(self.pipe.omega, self.pipe.omega[-1] / 100)
+        return absolute
+
+    def rates(self, t: float, state: Array) -> Array:
+        """Give the state's rates at a time in s."""
+        y, v = self._clamp_motion(state)
+        self.loaded[self.both] = state[self.both]
+        self.loaded[2 * self.count :] = [self.excitation(t), *self._clamp_forces(state, y, v)]
+        change = self.linear @ self.loaded
+        if not self.remembering:
+            return change
+        own = [clamp.rates(state[own].tolist(), y[i], v[i]) for i, clamp, own in self.remembering]
+        return np.concatenate([change, *own])
+
+    def slopes(self, t: float, state: Array) -> Array:
+        """Give the derivatives of the rates by the state."""
+        y, v = self._clamp_motion(state)
+        found, both = np.zeros((state.size, state.size)), self.both
+        found[both, both] = self.free
+        for i, clamp in enumerate(self.clamps):
+            own, entering = self.own[i], self.entering[:, 1 + i]
+            by_own = clamp.slopes(state[own].tolist(), y[i], v[i])
+            by_motion = by_own[:, :2] @ self.motion[[i, len(self.clamps) + i]]
+            found[both, both] += np.outer(entering, by_motion[0])
+            found[both, own] = np.outer(entering, by_own[0, 2:])
+            found[own, both], found[own, own] = by_motion[1:], by_own[1:, 2:]
+        return found
+
+    def result(self, time: Array, states: Array) -> MonolithicResult:
+        """Give what a solution, (n, states) at times (n,), is in the clamps and probes."""
+        pipe, count = self.pipe, self.count
+        q, p = states[:, :count], states[:, count : 2 * count]
+        displacement, velocity = q @ self.shapes.T, p @ self.shapes.T
+        force = np.array(
+            [self._clamp_forces(*row) for row in zip(states, 1e3 * displacement, 1e3 * velocity, strict=True)]
+        ).reshape(time.size, len(self.clamps))
+        loads = np.outer([self.excitation(t) for t in time], self.participation) - force @ self.shapes
+        acceleration = loads - p @ pipe.damping_matrix.T - q @ pipe.stiffness_matrix.T
+        seen = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), count).T
+        return MonolithicResult(time, displacement, velocity, force, q @ seen, p @ seen, acceleration @ seen)
+
+    def _clamp_forces(self, state: Array, y: Sequence[float], v: Sequence[float]) -> list[float]:
+        return [clamp.force(state[self.own[i]].tolist(), y[i], v[i]) for i, clamp in enumerate(self.clamps)]
+
+    def _clamp_motion(self, state: Array) -> tuple[list[float], list[float]]:
+        moved = (self.motion @ state[self.both]).tolist()
+        return moved[: len(self.clamps)], moved[len(self.clamps) :]
+
+
 def solve_monolithic(
     pipe: ReducedPipe,
     clamps: Sequence[ClampEquations],
@@ -112,67 +199,18 @@ def solve_monolithic(
     Raises:
         ArithmeticError: the integration fails.
     """
-    stiffness, damping = pipe.stiffness_matrix, pipe.damping_matrix
-    participation = np.array(pipe.excitation_participation)
-    shapes = np.array(pipe.clamp_shapes).reshape(len(clamps), len(pipe.omega))
-    count = len(pipe.omega)
-    ends = 2 * count + np.cumsum([0] + [len(clamp.start) for clamp in clamps])
-    remembering = [(i, clamp, slice(ends[i], ends[i + 1])) for i, clamp in enumerate(clamps) if clamp.start]
-    # In one product each: the clamps' displacements and velocities in mm and mm/s, and the rates under their forces.
-    still, both = np.zeros_like(shapes), slice(0, 2 * count)
-    motion = 1e3 * np.block([[shapes, still], [still, shapes]])
-    free = np.block([[np.zeros((count, count)), np.eye(count)], [-stiffness, -damping]])
-    entering = np.vstack([np.zeros((count, 1 + len(clamps))), np.vstack([participation, -shapes]).T])
-    linear = np.hstack([free, entering])
-    loaded = np.empty(2 * count + 1 + len(clamps))
-
-    def clamp_forces(state: Array, y: Sequence[float], v: Sequence[float]) -> list[float]:
-        return [clamp.force(state[ends[i] : ends[i + 1]].tolist(), y[i], v[i]) for i, clamp in enumerate(clamps)]
-
-    def clamp_motion(state: Array) -> tuple[list[float], list[float]]:
-        moved = (motion @ state[both]).tolist()
-        return moved[: len(clamps)], moved[len(clamps) :]
-
-    def rates(t: float, state: Array) -> Array:
-        y, v = clamp_motion(state)
-        loaded[both] = state[both]
-        loaded[2 * count :] = [excitation(t), *clamp_forces(state, y, v)]
-        change = linear @ loaded
-        if not remembering:
-            return change
-        own = [clamp.rates(state[own].tolist(), y[i], v[i]) for i, clamp, own in remembering]
-        return np.concatenate([change, *own])
-
-    def slopes(t: float, state: Array) -> Array:
-        y, v = clamp_motion(state)
-        found = np.zeros((state.size, state.size))
-        found[both, both] = free
-        for i, clamp in enumerate(clamps):
-            own = slice(ends[i], ends[i + 1])
-            by_own = clamp.slopes(state[own].tolist(), y[i], v[i])
-            by_motion = by_own[:, :2] @ motion[[i, len(clamps) + i]]
-            found[both, both] += np.outer(entering[:, 1 + i], by_motion[0])
-            found[both, own] = np.outer(entering[:, 1 + i], by_own[0, 2:])
-            found[own, both], found[own, own] = by_motion[1:], by_own[1:, 2:]
-        return found
-
-    start = np.concatenate([np.zeros(2 * count), *(np.array(clamp.start) for clamp in clamps)])
-    # What counts as nothing: a nanometre of clamp motion in modal measure, a micronewton in the history states.
-    largest = float(np.abs(shapes).max(initial=0.0)) or 1.0
-    absolute = np.full(start.size, 1e-6)
-    absolute[:count] = 1e-12 / largest
-    absolute[count : 2 * count] = 1e-12 / largest * np.maximum(pipe.omega, pipe.omega[-1] / 100)
+    coupled = _Coupled(pipe, clamps, excitation)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ODEintWarning)  # what failed is in the message
         states, report = odeint(
-            rates,
-            start,
+            coupled.rates,
+            coupled.start(),
             time,
-            Dfun=slopes,
+            Dfun=coupled.slopes,
             tfirst=True,
             full_output=True,
             rtol=relative_tolerance,
-            atol=absolute,
+            atol=coupled.nothing(),
             hmax=float(time[-1]) / 200,  # so that a slow start doesn't step over the excitation
             mxstep=10**9,  # between two times: as many as the tolerance takes
         )
@@ -182,12 +220,4 @@ def solve_monolithic(
         )
     if not np.isfinite(states).all():
         raise ArithmeticError("the monolithic solution grows beyond all numbers")
-    q, p = states[:, :count], states[:, count : 2 * count]
-    displacement, velocity = q @ shapes.T, p @ shapes.T
-    force = np.array(
-        [clamp_forces(*row) for row in zip(states, 1e3 * displacement, 1e3 * velocity, strict=True)]
-    ).reshape(time.size, len(clamps))
-    loads = np.outer([excitation(t) for t in time], participation) - force @ shapes
-    acceleration = loads - p @ damping.T - q @ stiffness.T
-    seen = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), count).T
-    return MonolithicResult(time, displacement, velocity, force, q @ seen, p @ seen, acceleration @ seen)
+    return coupled.result(time, states)

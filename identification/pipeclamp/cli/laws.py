@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -137,9 +137,8 @@ def identify(
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
-    from pipeclamp.show.law import per_group_table
-    from pipeclamp_identification.workflow.next_command import after_group_laws, after_identification
-    from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
+    from pipeclamp_identification.workflow.next_command import after_identification
+    from pipeclamp_models.base.files import refuse_file, refuse_folder
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import Provenance, law_text
     from pipeclamp_models.law.law import Structure
@@ -157,21 +156,16 @@ def identify(
         structure = Structure(base.value, tuple(ids), held).with_declared(declarations)
         tests = read_and_tell(campaign, strict, tell)
         provenance = Provenance(command_called(), None if reproducible else now())
+        called = name or tests.name
         if per:
             from pipeclamp_identification.workflow.per_group import identify_per
 
             laws = identify_per(tests, per, structure, method=method.value, progress=tell)
-            files = {
-                law.stem: law.found.file(name=f"{name or tests.name} {law.group}", provenance=provenance)
-                for law in laws
-            }
-            write_folder(output, ((f"{stem}.json", law_text(one).encode()) for stem, one in files.items()))
-            print_table(per_group_table(per, files))
-            put(str(output))
-            print_next(after_group_laws([str(output / f"{stem}.json") for stem in files], str(campaign)))
+            files = {law.stem: law.found.file(name=f"{called} {law.group}", provenance=provenance) for law in laws}
+            _write_group_laws(files, per, output, campaign)
             return
         found = tests.identify(structure, method=method.value, progress=tell)
-        file = found.file(name=name or tests.name, provenance=provenance)
+        file = found.file(name=called, provenance=provenance)
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import law_page
@@ -184,6 +178,19 @@ def identify(
     write_whole(output, law_text(file))
     _print_law(file, output)
     print_next(after_identification(str(output), str(campaign)))
+
+
+def _write_group_laws(files: Mapping[str, LawFile], column: str, folder: Path, campaign: Path) -> None:
+    """Write a law of each group of a column into a new folder, by names without ending, and tell them."""
+    from pipeclamp.show.law import per_group_table
+    from pipeclamp_identification.workflow.next_command import after_group_laws
+    from pipeclamp_models.base.files import write_folder
+    from pipeclamp_models.law.file import law_text
+
+    write_folder(folder, ((f"{stem}.json", law_text(file).encode()) for stem, file in files.items()))
+    print_table(per_group_table(column, files))
+    put(str(folder))
+    print_next(after_group_laws([str(folder / f"{stem}.json") for stem in files], str(campaign)))
 
 
 @app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")

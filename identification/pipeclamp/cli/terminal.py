@@ -266,7 +266,7 @@ def print_table(table: Table, width: int | None = None) -> None:
     from rich.table import Table as RichTable
     from rich.text import Text
 
-    from pipeclamp.show.layout import layout, listed
+    from pipeclamp.show.layout import layout, row_by_row
     from pipeclamp.show.table import cell
 
     room = min(width or console().width, console().width)
@@ -274,7 +274,7 @@ def print_table(table: Table, width: int | None = None) -> None:
     numeric = [any(isinstance(row[index], float) for row in table.rows) for index in range(len(table.header))]
     laid = layout(table.header, texts, numeric, room)
     if laid is None:
-        for line in listed(table.header, texts, table.caption, room):
+        for line in row_by_row(table.header, texts, table.caption, room):
             console().print(line, highlight=False)
         return
     look: dict[str, Any] = {} if laid.ruled else {"box": None, "pad_edge": False}

@@ -22,8 +22,10 @@ from pipeclamp.pages.free_comparison import free_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.show.comparison import beside_even, found_words, how_much, parts_table, worst_table
 from pipeclamp_identification.comparison import breakdown
-from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
+from pipeclamp_identification.comparison.breakdown import phase_edges
 from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.comparison.conditions import Condition
+from pipeclamp_identification.comparison.error_parts import Breakdown
 from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.comparison.sentences import sentence
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run

@@ -14,7 +14,7 @@ from plotly.subplots import make_subplots
 
 from pipeclamp.pages.page import INK, MEASURED, MODEL, SERIES, styled
 from pipeclamp.show.comparison import percent
-from pipeclamp_identification.comparison.breakdown import Breakdown
+from pipeclamp_identification.comparison.error_parts import Breakdown
 from pipeclamp_models.base.arrays import Array
 
 ERROR, SCATTER = SERIES[0], INK

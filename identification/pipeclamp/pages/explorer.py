@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Condition
+from pipeclamp_identification.comparison.conditions import Condition
 from pipeclamp_identification.comparison.drawn import MOST_POINTS, DrawnRun, drawn_runs
 from pipeclamp_identification.comparison.laws import ComparedLaw
 from pipeclamp_identification.loops.loops import Loops

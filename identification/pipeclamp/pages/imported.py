@@ -11,7 +11,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.pages.alternative import words_of
-from pipeclamp.pages.page import GRID, MEASURED, SERIES, Report, Section, plain, render, styled
+from pipeclamp.pages.page import GRID, MEASURED, SERIES, Report, Section, render, specification_of, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
 from pipeclamp.pages.sweeps import of_phase, sweep_picture, sweep_sections
 from pipeclamp.show.imported import (
@@ -149,7 +149,11 @@ def _(found: ImportedRecords) -> dict[str, str] | None:
 
 def _first_look(title: str, figure: go.Figure) -> dict[str, str]:
     words = words_of(figure)
-    return {"title": title, "words": words, "specification": json.dumps(plain(figure.update_layout(title=None)))}
+    return {
+        "title": title,
+        "words": words,
+        "specification": json.dumps(specification_of(figure.update_layout(title=None))),
+    }
 
 
 def _panel(loop: ShownLoop) -> LoopPanel:

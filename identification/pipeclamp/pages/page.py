@@ -141,13 +141,13 @@ def with_narrow(figure: go.Figure, narrow: go.Figure) -> go.Figure:
 
     Where that draws the same data otherwise, the page holds them once.
     """
-    instead = plain(narrow)
-    if instead["data"] == plain(figure)["data"]:
+    instead = specification_of(narrow)
+    if instead["data"] == specification_of(figure)["data"]:
         del instead["data"]
     return figure.update_layout(meta={"least_width": figure.layout.meta, "narrow": instead})
 
 
-def plain(figure: go.Figure) -> dict[str, Any]:
+def specification_of(figure: go.Figure) -> dict[str, Any]:
     """Give what Plotly draws of a figure, and what page.js picks by the width that it has."""
     specification: dict[str, Any] = json.loads(figure.to_json())
     # it repeats Plotly's own look in each picture
@@ -166,7 +166,7 @@ def drawn_of(figure: go.Figure) -> Drawn:
     """Give a picture as a page holds it."""
     meta = figure.layout.meta
     wide = (meta["least_width"] if isinstance(meta, dict) else meta or 0) > HALF
-    return Drawn(_for_script(plain(figure)), words_of(figure), least_width(figure), wide)
+    return Drawn(_for_script(specification_of(figure)), words_of(figure), least_width(figure), wide)
 
 
 def _for_script(content: Mapping[str, Any]) -> str:

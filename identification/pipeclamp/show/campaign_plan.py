@@ -57,38 +57,8 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None, law: str
         folder: that it was written into, if any.
         law: file or bundled name by which its law is known to commands; its name by default.
     """
-    scene = plan.power.scene
-    named_from, told = plan.power.from_newtons, plan.power.told
-    count, among = int(told.sum()), len(scene.effects)
-    if math.isfinite(named_from):
-        told_of = f"all {among}" if count == among else f"{count} of {among}"
-        first = (
-            f"In {plan.hours:.3g} rig hours this plan can tell {told_of} effects that were assessed, and names "
-            f"{NAMED:.0%} of them where their rms force is above {newtons(named_from)}, {named_from / scene.force:.2%} "
-            f"of the clamp's own over the loops within the limits, {plain(scene.force, 4)} N."
-        )
-    else:
-        first = f"This plan names no effect in {plan.hours:.3g} rig hours."
-    temperatures = sorted({run.temperature_C for run in plan.runs})
-    levels = [
-        f"{', '.join(f'{value:g}' for value in sorted({getattr(run, name) for run in plan.runs}))} {unit}"
-        for name, unit in (("amplitude_mm", "mm"), ("frequency_Hz", "Hz"), ("temperature_C", "°C"))
-    ]
-    if not plan.timed:
-        levels[1] = "a cycle at any slow rate, which is called a second in its files"
-    often = "once" if plan.repeats == 1 else f"{plan.repeats} times"
-    lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]
-    if about := plan.about_mm:
-        lines.append(
-            f"The tests of {plan.law} moved about {about:.3g} mm, and so do these runs; their drive signals count from "
-            "there."
-        )
-    lines.append(
-        "Order: temperatures rise, a block each; within it every condition once in random order, then in the reverse "
-        "of it, so that even drift is the same for all; a reference run begins and ends each block"
-        + (", and the first temperature comes again at the end." if len(temperatures) > 1 else ".")
-    )
-    lines += stopping_words(plan)
+    scene, told = plan.power.scene, plan.power.told
+    lines = [_what_it_names(plan), *_runs_words(plan), *stopping_words(plan)]
     untold = [name for name, one in zip(scene.effects, told, strict=True) if not one]
     if untold:
         lines.append(f"Not told by this plan in any size below the clamp's own force: {', '.join(untold)}.")
@@ -111,6 +81,44 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None, law: str
             f"{folder} holds plan.csv, the drive signals, and a campaign that waits for its records in runs/.",
             f"To try it before the rig does, with an effect hidden in it: {tried}",
         ]
+    return lines
+
+
+def _what_it_names(plan: CampaignPlan) -> str:
+    """Say which effects a campaign names in how many hours."""
+    scene, named_from = plan.power.scene, plan.power.from_newtons
+    if not math.isfinite(named_from):
+        return f"This plan names no effect in {plan.hours:.3g} rig hours."
+    count, among = int(plan.power.told.sum()), len(scene.effects)
+    told_of = f"all {among}" if count == among else f"{count} of {among}"
+    return (
+        f"In {plan.hours:.3g} rig hours this plan can tell {told_of} effects that were assessed, and names "
+        f"{NAMED:.0%} of them where their rms force is above {newtons(named_from)}, {named_from / scene.force:.2%} "
+        f"of the clamp's own over the loops within the limits, {plain(scene.force, 4)} N."
+    )
+
+
+def _runs_words(plan: CampaignPlan) -> list[str]:
+    """Say which runs a campaign has, about where they move, and in which order they come."""
+    levels = [
+        f"{', '.join(f'{value:g}' for value in sorted({getattr(run, name) for run in plan.runs}))} {unit}"
+        for name, unit in (("amplitude_mm", "mm"), ("frequency_Hz", "Hz"), ("temperature_C", "°C"))
+    ]
+    if not plan.timed:
+        levels[1] = "a cycle at any slow rate, which is called a second in its files"
+    often = "once" if plan.repeats == 1 else f"{plan.repeats} times"
+    lines = [f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]
+    if about := plan.about_mm:
+        lines.append(
+            f"The tests of {plan.law} moved about {about:.3g} mm, and so do these runs; their drive signals count from "
+            "there."
+        )
+    several = len({run.temperature_C for run in plan.runs}) > 1
+    lines.append(
+        "Order: temperatures rise, a block each; within it every condition once in random order, then in the reverse "
+        "of it, so that even drift is the same for all; a reference run begins and ends each block"
+        + (", and the first temperature comes again at the end." if several else ".")
+    )
     return lines
 
 

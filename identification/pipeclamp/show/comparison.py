@@ -7,11 +7,8 @@ import numpy as np
 from pipeclamp.show.table import SINGLE_CYCLES, Table, outside_cell, outside_head
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
-from pipeclamp_identification.comparison.breakdown import (
-    Breakdown,
-    ErrorPart,
-)
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
+from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.comparison.sentences import about_mean, sentence
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_identification.loops.loops import PRELOADED

@@ -9,7 +9,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.answer import RungAnswer, diagnosis_answer
 from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed
 from pipeclamp_identification.diagnosis.foretold import (
-    Elsewhere,
+    BothErrors,
     explained_share,
     held_against,
     worse_between_levels,
@@ -30,7 +30,7 @@ NO_GAIN = "fitted to all tests it takes no more than its parameters cost"
 def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
     """Say what speaks against a candidate: its parameters, the fit to all, left-out conditions, a simpler effect."""
     law = diagnosis.law
-    errors = {left_out_at_once(diagnosis.loops): Elsewhere(law.heldout_nrmse, candidate.heldout_nrmse)}
+    errors = {left_out_at_once(diagnosis.loops): BothErrors(law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= held_against(candidate, law, diagnosis.loops)
     errors |= worse_between_levels(candidate, law, diagnosis.loops)
     worse = (
@@ -62,9 +62,9 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
     rows.append(("law as it is", 100 * law.heldout_nrmse, *further, 0.0, "–"))
     header = (
         "with",
-        f"estimated error on left-out {left_out_at_once(diagnosis.loops)} / %",
+        f"error on left-out {left_out_at_once(diagnosis.loops)} / %",
         *(f"on left-out {name} / %" for name in law.heldout_by),
-        "of what is missing it takes / %",
+        "takes of missing / %",
         "speaks against it",
     )
     caption = (

@@ -162,7 +162,7 @@ def room_of(text: str) -> int:
     return len(text) if text.isascii() else sum(1 + (east_asian_width(one) in "WF") for one in text)
 
 
-def listed(header: Sequence[str], rows: Sequence[Sequence[str]], caption: str, width: int) -> list[str]:
+def row_by_row(header: Sequence[str], rows: Sequence[Sequence[str]], caption: str, width: int) -> list[str]:
     """Give a table as lines, row by row, each entry beside its column's head: for a screen too narrow for a table."""
     widest = _longest(header) + 2
     lines = wrapped(caption, width).split("\n") if caption else []

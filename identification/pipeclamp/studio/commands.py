@@ -7,7 +7,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeclamp.studio.project import DIAGNOSIS, DRIVE, Project
+from pipeclamp.studio.project import (
+    DIAGNOSIS,
+    DISCOVERY,
+    DISCOVERY_SHOWN,
+    DRIVE,
+    ON_PIPE,
+    RESPONSE,
+    RESPONSE_SHOWN,
+    TERM,
+    Project,
+)
 from pipeclamp.studio.work import JobTask
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import quoted, shell_line
@@ -119,8 +129,8 @@ def climb_task(project: Project, of: str, limits: str) -> tuple[JobTask, str]:
 def discover_line(project: Project, of: str, law: str) -> str:
     """Give the line that searches a term which no catalogue has."""
     return shell_line(
-        "discover", project.shown(f"{of}.json"), project.campaign, "-o", project.shown(f"{of}.term.toml"),
-        "--auto", project.shown(f"{law}.json"), "--json", project.shown(f"{of}.discovery.json"),
+        "discover", project.shown(f"{of}.json"), project.campaign, "-o", project.shown(f"{of}{TERM}"),
+        "--auto", project.shown(f"{law}.json"), "--json", project.shown(f"{of}{DISCOVERY}"),
     )  # fmt: skip
 
 
@@ -130,8 +140,8 @@ def discover_task(project: Project, of: str) -> tuple[JobTask, str]:
     command = discover_line(project, of, law)
     given = {
         "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"),
-        "term": project.shown(f"{of}.term.toml"), "answer": project.shown(f"{of}.discovery.json"),
-        "shown": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
+        "term": project.shown(f"{of}{TERM}"), "answer": project.shown(f"{of}{DISCOVERY}"),
+        "shown": project.shown(f"{of}{DISCOVERY_SHOWN}"), "command": _last_parts(command),
     }  # fmt: skip
     return JobTask("discover", f"Search a term that {of} lacks", command, given, of), law
 
@@ -163,14 +173,14 @@ def report_task(project: Project, law: str) -> JobTask:
 
 def response_line(project: Project, law: str) -> str:
     """Give the line that finds the response of a pipe with a law's clamp."""
-    return shell_line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
+    return shell_line("response", project.shown(f"{law}{ON_PIPE}"), "-o", project.shown(f"{law}{RESPONSE}"))
 
 
 def response_task(project: Project, law: str, temperatures_C: Sequence[float]) -> JobTask:
     """Give the task that finds the response of a pipe with a law's clamp at temperatures; none where none is known."""
     given = {
-        "law": str(project.path_of(law)), "system": project.shown(f"{law}.system.toml"),
-        "output": project.shown(f"{law}.response.csv"), "shown": project.shown(f"{law}.response.json"),
+        "law": str(project.path_of(law)), "system": project.shown(f"{law}{ON_PIPE}"),
+        "output": project.shown(f"{law}{RESPONSE}"), "shown": project.shown(f"{law}{RESPONSE_SHOWN}"),
         "temperatures_C": list(temperatures_C),
     }  # fmt: skip
     return JobTask("respond", f"The pipe with the clamp of {law}", response_line(project, law), given, law)

@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError
 
 from pipeclamp.now import now
 from pipeclamp.studio.diagnosis_shown import stamp
-from pipeclamp.studio.project import Project
+from pipeclamp.studio.project import DISCOVERY_SHOWN, Project
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
@@ -57,7 +57,7 @@ def discover(
 
 def discovery_in(project: Project, name: str, file: LawFile) -> DiscoveryShown | None:
     """Give what a search found for a law; None where there was none, or another law of that name was asked."""
-    path = project.folder / f"{name}.discovery_told.json"
+    path = project.folder / f"{name}{DISCOVERY_SHOWN}"
     try:
         discovery = DiscoveryShown.model_validate_json(path.read_text(encoding="utf-8"))
     except (OSError, ValidationError, UnicodeDecodeError):

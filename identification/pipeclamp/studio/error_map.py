@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.comparison import breakdown
-from pipeclamp_identification.comparison.breakdown import Condition
+from pipeclamp_identification.comparison.conditions import Condition
 from pipeclamp_identification.comparison.sums import RunSums
 
 EDGES = (1.5, 2.3, 3.6, 5.5, 8.4, 13.0, 20.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from pipeclamp.pages.alternative import words_of
-from pipeclamp.pages.page import least_width, plain
+from pipeclamp.pages.page import least_width, specification_of
 from pipeclamp.pages.waterfall import ESTIMATED, USED, RungBars, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import parameters_table, vain_words
@@ -20,7 +20,7 @@ from pipeclamp.studio.diagnosis_shown import DiagnosisShown, stamp
 from pipeclamp.studio.error_map import ErrorMap, error_map
 from pipeclamp.studio.project import SHOWN, Project
 from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
-from pipeclamp_identification.comparison.breakdown import conditions_of
+from pipeclamp_identification.comparison.conditions import conditions_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
 
@@ -172,7 +172,7 @@ def waterfall_of(file: LawFile, diagnosis: DiagnosisShown | None) -> Picture:
         ]
         rungs = with_promised(rungs, RungBars("law as it is", {ESTIMATED: diagnosis.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
-    specification = plain(figure)
+    specification = specification_of(figure)
     layout = specification["layout"]
     del layout["height"]  # it fills its place
     layout |= {"title": None, "margin": layout["margin"] | {"t": 10, "b": 75}}

@@ -21,6 +21,10 @@ FILE_NAME = re.compile(r"law[1-9]\d{0,3}(\.[a-z_]+)?\.(json|csv|fmu|html|toml)")
 """What may be downloaded: files of this folder that the studio wrote."""
 DIAGNOSIS, SHOWN, DRIVE = ".diagnosis.json", ".told.json", ".next_test.csv"
 """Ends of the names of what a diagnosis of a law is kept in: its answer, what is shown of it, the next test's drive."""
+TERM, DISCOVERY, DISCOVERY_SHOWN = ".term.toml", ".discovery.json", ".discovery_told.json"
+"""Of what a search for a term is kept in: the declaration, the answer, what is shown of it."""
+ON_PIPE, RESPONSE, RESPONSE_SHOWN = ".system.toml", ".response.csv", ".response.json"
+"""Of a pipe with the law's clamp, of its response, and of what is shown of that."""
 
 
 class Project:

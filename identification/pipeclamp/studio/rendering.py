@@ -21,8 +21,10 @@ from pipeclamp.studio.diagnosis_shown import DiagnosisShown
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
-from pipeclamp.studio.project import Project
+from pipeclamp.studio.project import RESPONSE_SHOWN, Project
 from pipeclamp_identification.comparison.sentences import sentence
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
+from pipeclamp_identification.fitting.heldout import count_groups
 from pipeclamp_identification.workflow.next_command import after_change, after_identification, after_import
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -67,6 +69,8 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         edges=EDGES,
         worst=worst.runs[0] if worst else "",
         diagnosis=diagnosis,
+        groups=count_groups(bench.loops),
+        fewest_groups=FEWEST_GROUPS,
         runs=len(bench.loops.run),
         lines=_command_lines(project, name, diagnosis),
         discovery=discovery_in(project, name, project.law(name)) if name else None,
@@ -76,7 +80,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         parent=project.parent(name) if name else None,
         folder=project.folder,
         temperatures=temperatures_of(bench.loops),
-        on_pipe=shown_on_pipe(project.folder / f"{name}.response.json") if name else None,
+        on_pipe=shown_on_pipe(project.folder / f"{name}{RESPONSE_SHOWN}") if name else None,
         made={suffix for suffix in ("fmu", "html") if name and (project.folder / f"{name}.{suffix}").is_file()},
     )
 

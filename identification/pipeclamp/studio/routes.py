@@ -6,7 +6,7 @@ import json
 import math
 import mimetypes
 from collections.abc import AsyncIterator, Callable, Mapping
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,7 @@ from pipeclamp.studio.loop_picture import run_picture
 from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, metrics_page, page
 from pipeclamp.studio.security import TooLargeError
+from pipeclamp.studio.work import JobTask
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
@@ -187,34 +188,7 @@ class Pages:
         return await run_in_threadpool(self._start, self._opened(request), asked)
 
     def _start(self, opened: Opened, asked: Mapping[str, Any]) -> Response:
-        project, wanted, law = opened.project, _text(asked, "kind"), None
-        if wanted == "identify":
-            base = _text(asked, "base")
-            if base not in commands.BASES:
-                raise UserError(f"base: got {base!r}; expected one of {', '.join(commands.BASES)}")
-            task, law = commands.identify_task(project, base)
-        elif wanted == "add":
-            of, effect = _text(asked, "law"), _text(asked, "effect")
-            diagnosis = _diagnosis(opened, of, project.law(of))
-            _among(diagnosis, of, effect)
-            task, law = commands.add_task(project, of, effect, diagnosis.meant(effect))
-        elif wanted == "refit":
-            task, law = commands.refit_task(project, _text(asked, "law"))
-        elif wanted == "diagnose":
-            task = commands.diagnose_task(project, _text(asked, "law"), _limits(asked))
-        elif wanted == "climb":
-            task, law = commands.climb_task(project, _text(asked, "law"), _limits(asked))
-        elif wanted == "discover":
-            task, law = commands.discover_task(project, _text(asked, "law"))
-        elif wanted == "build":
-            task = commands.build_task(project, _text(asked, "law"))
-        elif wanted == "report":
-            task = commands.report_task(project, _text(asked, "law"))
-        elif wanted == "respond":
-            task = commands.response_task(project, _text(asked, "law"), temperatures_of(opened.bench.loops))
-        else:
-            kinds = "identify, add, refit, diagnose, climb, discover, build, report or respond"
-            raise UserError(f"kind: got {wanted!r}; expected {kinds}")
+        task, law = _task(opened, asked)
         return JSONResponse(self.desk.start(opened, task, law).to_dict())
 
     async def start_import(self, request: Request) -> Response:
@@ -281,6 +255,44 @@ class Pages:
 
 def _script(name: str, kept: str) -> Response:
     return Response(asset(name), media_type="text/javascript", headers={"cache-control": kept})
+
+
+def _task(opened: Opened, asked: Mapping[str, Any]) -> tuple[JobTask, str | None]:
+    """Give the task that is asked for, and the name of the law that comes of it, if one does.
+
+    Raises:
+        UserError: there is no such task, or what is asked doesn't serve it.
+    """
+    project, law = opened.project, partial(_text, asked, "law")
+    tasks: Mapping[str, Callable[[], tuple[JobTask, str | None]]] = {
+        "identify": lambda: commands.identify_task(project, _base(asked)),
+        "add": lambda: _addition(opened, law(), _text(asked, "effect")),
+        "refit": lambda: commands.refit_task(project, law()),
+        "diagnose": lambda: (commands.diagnose_task(project, law(), _limits(asked)), None),
+        "climb": lambda: commands.climb_task(project, law(), _limits(asked)),
+        "discover": lambda: commands.discover_task(project, law()),
+        "build": lambda: (commands.build_task(project, law()), None),
+        "report": lambda: (commands.report_task(project, law()), None),
+        "respond": lambda: (commands.response_task(project, law(), temperatures_of(opened.bench.loops)), None),
+    }
+    wanted = _text(asked, "kind")
+    if wanted not in tasks:
+        raise UserError(f"kind: got {wanted!r}; expected one of {', '.join(tasks)}")
+    return tasks[wanted]()
+
+
+def _base(asked: Mapping[str, Any]) -> str:
+    base = _text(asked, "base")
+    if base not in commands.BASES:
+        raise UserError(f"base: got {base!r}; expected one of {', '.join(commands.BASES)}")
+    return base
+
+
+def _addition(opened: Opened, of: str, effect: str) -> tuple[JobTask, str]:
+    """Give the task that adds a candidate of a law's diagnosis, and the name of the law with it."""
+    diagnosis = _diagnosis(opened, of, opened.project.law(of))
+    _among(diagnosis, of, effect)
+    return commands.add_task(opened.project, of, effect, diagnosis.meant(effect))
 
 
 def _candidate(opened: Opened, law: str, candidate: str) -> Law:

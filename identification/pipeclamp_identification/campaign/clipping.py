@@ -14,27 +14,27 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_models.base.arrays import Array, BoolArray
 
-# a plateau shorter than this is no evidence, whatever else
 FEWEST_ON_A_PLATEAU = 4
-# flat-topped loops stay longer within one quantum of their extreme than a sine does
+"""A plateau shorter than this is no evidence, whatever else."""
 FLATTER_THAN_SINE = 3.0
-# share of its amplitude in the steady cycles with which a channel goes on
+"""Flat-topped loops stay longer within one quantum of their extreme than a sine does."""
 STILL_GOES_ON = 0.5
-# friction's plateau lasts half a cycle at most, from one reversal to the next
+"""Share of its amplitude in the steady cycles with which a channel goes on."""
 LONGER_THAN_FRICTION = 0.6
-# a plateau that ends nearer to a reversal than this share of the cycle, at both ends of the loop, is friction's
+"""Friction's plateau lasts half a cycle at most, from one reversal to the next."""
 AT_REVERSAL = 0.015
-# a channel with more noise than this, in quanta, shows it on friction's plateau too; rounding alone makes 0.29
+"""A plateau that ends nearer to a reversal than this share of the cycle, at both ends of the loop, is friction's."""
 NOISY = 0.6
-# many samples at the very extreme are none of a noisy top's, whose values grow rarer towards it; a quantised sine
-# without noise stays 2.4 times as long in its last quantum as in the one before
+"""A channel with more noise than this, in quanta, shows it on friction's plateau too; rounding alone makes 0.29."""
 FEWEST_PILED, PILED_OVER_NEXT, NEXT_VALUES = 8, 5, 4
-# as many runs as must share an extreme value, and by how much their amplitudes must differ, to be no chance
+"""Many samples at the very extreme are none of a noisy top's, whose values grow rarer towards it; a quantised sine
+without noise stays 2.4 times as long in its last quantum as in the one before."""
 FEWEST_AT_END, AMPLITUDES_APART = 3, 1.05
-# values that differ by less than this share of half the range are one
+"""As many runs as must share an extreme value, and by how much their amplitudes must differ, to be no chance."""
 ROUNDING_SHARE = 1e-9
-# a range of fewer quanta than this meets the same value twice by chance
+"""Values that differ by less than this share of half the range are one."""
 FEWEST_QUANTA = 500
+"""A range of fewer quanta than this meets the same value twice by chance."""
 
 CHANNEL_UNITS: Mapping[Channel, str] = {"displacement": "mm", "force": "N"}
 Column = Literal["displacement_mm", "force_N"]

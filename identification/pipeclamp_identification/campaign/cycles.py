@@ -16,40 +16,41 @@ from pipeclamp_identification.signals.sample_noise import sample_noise
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
-# neighbouring cycles of a ramp differ by more than this share of the amplitude, in amplitude or in mean
 RAMP = 0.02
-# neighbouring cycles of a steady drive may always differ by this
+"""Neighbouring cycles of a ramp differ by more than this share of the amplitude, in amplitude or in mean."""
 STEADY_SHARE = 0.005
-# a first cycle stands apart when the force changes after it this many times more than after any other, and by this
-# share of its amplitude at least
-FRESH_TIMES = 4.0
-FRESH_SHARE = 2e-3
-# a cycle counts as full when no more than this of it, or one sample, is missing: the fit of harmonics bridges that
+"""Neighbouring cycles of a steady drive may always differ by this."""
+FRESH_TIMES, FRESH_SHARE = 4.0, 2e-3
+"""A first cycle stands apart when the force changes after it this many times more than after any other, and by this
+share of its amplitude at least."""
 MISSING = 0.02
-# harmonics of the displacement that are told apart from its fundamental while the frequency is sought
+"""A cycle counts as full when no more than this of it, or one sample, is missing: the fit of harmonics bridges
+that."""
 DISTORTION = 5
-# the highest order of small cycles that ride on a large one, which are part of the drive as its fundamental is
+"""Harmonics of the displacement that are told apart from its fundamental while the frequency is sought."""
 RIDING_ORDER = 20
-# a share of a cycle that is none
+"""The highest order of small cycles that ride on a large one, which are part of the drive as its fundamental is."""
 TRIFLE = 0.05
-# a way back of less than this share of the whole one is no turn of a record that may be one cycle
+"""A share of a cycle that is none."""
 TURN_BACK_SHARE = 0.1
-# what such a record may lack until it is where it began, in units of its longest step
+"""A way back of less than this share of the whole one is no turn of a record that may be one cycle."""
 LACKING = 1.25
-# times the rms of the noise within which two samples of it are the same value: 4 standard errors of their difference
+"""What such a record may lack until it is where it began, in units of its longest step."""
 SAME_VALUE = 4 * math.sqrt(2)
-# times the rms of its noise by which a motion that turns again and again is one
+"""Times the rms of the noise within which two samples of it are the same value: 4 standard errors of their
+difference."""
 CLEAR_OF_NOISE = 20.0
-# the fewest samples per cycle with which a loop's shape is more than guesswork
+"""Times the rms of its noise by which a motion that turns again and again is one."""
 FEWEST_SAMPLES_PER_CYCLE = 8
-# samples per cycle with which amplitude, mean and a rough frequency are known well enough
+"""The fewest samples per cycle with which a loop's shape is more than guesswork."""
 SAMPLES_ENOUGH = 128
-# and of many cycles, with which the sine is found that they are split by
+"""Samples per cycle with which amplitude, mean and a rough frequency are known well enough."""
 SAMPLES_OF_MANY, MANY = 16, 20
-# the widest gap in time, in cycles, across which the loop's shape is still known
+"""And of many cycles, with which the sine is found that they are split by."""
 WIDEST_GAP = 0.25
-# a way back of less than this share of the whole one is no turn of a motion that is laid out over sines
+"""The widest gap in time, in cycles, across which the loop's shape is still known."""
 LAID_OUT_TURN_SHARE = 0.004
+"""A way back of less than this share of the whole one is no turn of a motion that is laid out over sines."""
 
 
 @dataclass(frozen=True)

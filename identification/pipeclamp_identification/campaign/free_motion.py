@@ -39,7 +39,15 @@ REST_VELOCITY_SHARE = 0.1
 
 @dataclass(frozen=True)
 class FreeRun:
-    """One usable run of free motion: its samples, and their motion; `mean_known` as of `RunRow`."""
+    """One usable run of free motion.
+
+    Attributes:
+        name: as runs.csv has it.
+        setup: the conditions of the test.
+        record: its samples.
+        motion: of these.
+        mean_known: whether the mean of its force counts.
+    """
 
     name: str
     setup: Setup

@@ -34,10 +34,17 @@ BYTES_OF_A_NUMBER = 8
 
 @dataclass(frozen=True)
 class Run:
-    """One usable run: the motion that was set (None where not known), its samples and its steady cycles.
+    """One usable run of a sine.
 
-    Where a zero drifted, the drift is taken off the samples, but nobody knows where it stood: `mean_known` is False,
-    and the mean force says nothing. It is taken off where it isn't known from the outset.
+    Attributes:
+        name: as runs.csv has it.
+        setup: the conditions of the test.
+        amplitude_mm, frequency_Hz: of the motion that was set; None where not known, or where the record shows another.
+        record: its samples, repaired where that could be.
+        cycles: the steady ones.
+        mean_known: whether the mean of its force counts. Where it doesn't, it is taken off the samples; where a zero
+            drifted, so is the drift, but nobody knows where it stood.
+        file: its record, relative to the campaign's folder.
     """
 
     name: str
@@ -48,17 +55,27 @@ class Run:
     cycles: Cycles
     mean_known: bool = True
     file: str = ""
-    """Its record, relative to the campaign's folder."""
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed.
+    """The loop tests of one clamp.
 
-    `remarks` say what sensors do wrong in runs that are used, and where records show other settings than runs.csv
-    states; those runs' settings are None. Of the runs in `runs` the motion is a sine, of those in `free` it isn't.
-    `faults` are those of sensors; where one could be repaired, the records here are the repaired ones. `doubts` say
-    which units are likely wrong; remarks hold them, too.
+    Attributes:
+        name, notes: of its description.
+        fingerprint: SHA-256 over all that it was read from, see `read_campaign`.
+        runs: usable ones whose motion is a sine, in runs.csv's order.
+        left_out: those that can't be used, and why.
+        condition_columns: of runs.csv, of further conditions.
+        smoothing: how records were smoothed before they came here.
+        remarks: what sensors do wrong in runs that are used, where records show other settings than runs.csv states,
+            and which units are likely wrong.
+        free: usable runs whose motion is no sine.
+        faults: of sensors; where one could be repaired, the records here are the repaired ones.
+        digests: of the files, for the fingerprint of some of the runs.
+        doubts: which units are likely wrong.
+        time_measured: whether seconds are seconds: otherwise records count cycles for time, and speeds and frequencies
+            mean nothing.
     """
 
     name: str
@@ -74,7 +91,6 @@ class Campaign:
     digests: Digests = field(default_factory=Digests)
     doubts: tuple[str, ...] = ()
     time_measured: bool = True
-    """Whether seconds are seconds: otherwise records count cycles for time, and speeds and frequencies mean nothing."""
 
     def of_runs(self, runs: tuple[Run, ...]) -> Campaign:
         """Give the campaign of some of its runs, with the fingerprint of what these were read from."""

@@ -48,7 +48,12 @@ LARGEST_VALUE = 1e13
 
 @dataclass(frozen=True)
 class Record:
-    """The samples of one run, all arrays of one length; blank cells are nan."""
+    """The samples of one run; blank cells are nan.
+
+    Attributes:
+        time_s, displacement_mm, force_N: shape (n,) each.
+        temperature_C: likewise; None where it wasn't recorded.
+    """
 
     time_s: Array
     displacement_mm: Array

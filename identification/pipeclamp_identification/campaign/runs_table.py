@@ -34,7 +34,6 @@ MEANS = MappingProxyType({"known": True, "unknown": False})
 """Whether a record's mean force counts: a piezoelectric cell has none, and one that was set to zero a wrong one."""
 OF_SINES = ("amplitude_mm", "frequency_Hz")
 """Numbers that a free motion doesn't have."""
-# each number that a run states, with the bound that it must exceed (or may equal, for a count)
 NUMBER_COLUMNS = MappingProxyType(
     {
         "amplitude_mm": "above 0 mm",
@@ -44,16 +43,16 @@ NUMBER_COLUMNS = MappingProxyType(
         "first_cycle": "0 or more cycles",
     }
 )
-# words of units in which the known quantities are given elsewhere
+"""Each number that a run states, with the bound that it must exceed (or may equal, for a count)."""
 UNIT_WORDS = frozenset(
     (
         *("c", "k", "f", "deg", "degc", "degf", "celsius", "kelvin", "m", "mm", "um", "in", "hz", "khz", "rpm", "rad"),
         *("s", "g", "kg", "lb", "m3", "cm3", "mm3", "in3", "ft3"),
     )
 )
-# letters from which on a word may be one of ours, misspelled; and those of an abbreviation
+"""Words of units in which the known quantities are given elsewhere."""
 SPELLED, ABBREVIATED = 7, 4
-# the metrics of a loop that stand for its record where there is none, with the bound that each must exceed
+"""Letters from which on a word may be one of ours, misspelled; and those of an abbreviation."""
 METRIC_COLUMNS = MappingProxyType(
     {
         "dissipated_energy_J": "above 0 J",
@@ -64,6 +63,7 @@ METRIC_COLUMNS = MappingProxyType(
         "loss_stiffness_N_mm": "above 0 N/mm",
     }
 )
+"""The metrics of a loop that stand for its record where there is none, with the bound that each must exceed."""
 
 
 @dataclass(frozen=True)
@@ -118,10 +118,17 @@ class Setup:
 
 @dataclass(frozen=True)
 class RunRow:
-    """One row of runs.csv, [defaults] filled in; None where a value isn't known.
+    """One row of runs.csv, [defaults] filled in.
 
-    A row has a record in `file` or, where that is blank, the metrics of its loop. `free`: its motion is no sine.
-    `mean_known`: whether the mean of its force counts; None where that isn't stated.
+    Attributes:
+        row: its number in the file.
+        run: the run's name.
+        file: of its record, relative to the campaign's folder; blank where the metrics of its loop stand for that.
+        amplitude_mm, frequency_Hz: as stated; None where not.
+        setup: the conditions of the test.
+        metrics: of its loop, by column, where there is no record.
+        free: whether its motion is no sine.
+        mean_known: whether the mean of its force counts; None where that isn't stated.
     """
 
     row: int

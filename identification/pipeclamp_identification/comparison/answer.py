@@ -11,16 +11,11 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.comparison import breakdown, free_breakdown
-from pipeclamp_identification.comparison.breakdown import (
-    BRANCHES,
-    LOOP_PLACES,
-    Breakdown,
-    ErrorPart,
-    phase_edges,
-    place_of,
-)
+from pipeclamp_identification.comparison.breakdown import BRANCHES, LOOP_PLACES, phase_edges, place_of
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
-from pipeclamp_identification.comparison.concentration import Region, region
+from pipeclamp_identification.comparison.concentration import region
+from pipeclamp_identification.comparison.densest_region import Region
+from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples
 from pipeclamp_identification.comparison.free_concentration import error_outside, free_region, outside_share
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit

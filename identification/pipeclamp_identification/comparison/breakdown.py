@@ -9,18 +9,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.comparison.conditions import Condition
+from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.comparison.sums import RunSums
 from pipeclamp_identification.loops.loops import HIGHEST_HARMONIC, Loops
 from pipeclamp_identification.loops.scatter import PHASE_BINS
-from pipeclamp_identification.signals.levels import Level, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array, ComplexArray
-from pipeclamp_models.base.units import CELSIUS
 
 LOOP_PLACES = (
     ("just after the reversal", 0.0, 30.0),
@@ -35,136 +34,6 @@ BRANCHES = ("unloading", "loading")
 """The displacement falls from its largest value, then rises again."""
 MOST_CYCLES_SINGLY = 12
 """More cycles than this are grouped."""
-SAME_LEVEL_SHARE = 0.06
-SAME_TEMPERATURE_K = 3.0
-SAME_OF_RANGE = 0.02
-"""Conditions that differ by less, as a share, in K, or as a share of their range, are one set point."""
-
-
-@dataclass(frozen=True)
-class ErrorPart:
-    """A part of the error.
-
-    Attributes:
-        label: which part.
-        squared_error: N2.
-        squared_scatter: of it, what no law can explain, N2; None where no run has two cycles to tell.
-        squared_force: that the part would have if each run's force were spread evenly over its samples, N2.
-        runs: number of runs in it.
-    """
-
-    label: str
-    squared_error: float
-    squared_scatter: float | None
-    squared_force: float
-    runs: int
-
-    @property
-    def nrmse(self) -> float | None:
-        """Error as a share of the rms force; None where the part has no sample."""
-        return math.sqrt(self.squared_error / self.squared_force) if self.squared_force > 0.0 else None
-
-    @property
-    def noise_nrmse(self) -> float | None:
-        """Scatter as a share of the rms force; None where it isn't known."""
-        if self.squared_scatter is None or self.squared_force <= 0.0:
-            return None
-        return math.sqrt(self.squared_scatter / self.squared_force)
-
-
-@dataclass(frozen=True)
-class Breakdown:
-    """The whole error in parts.
-
-    Attributes:
-        by: what it is broken down by.
-        parts: in their natural order.
-    """
-
-    by: str
-    parts: tuple[ErrorPart, ...]
-
-    @property
-    def squared_error(self) -> float:
-        """Sum over the parts, N2."""
-        return sum(part.squared_error for part in self.parts)
-
-    def noise_share(self, part: ErrorPart) -> float | None:
-        """Give the scatter in a part as a share of the whole squared error; None where it isn't known."""
-        if part.squared_scatter is None or self.squared_error <= 0.0:
-            return None
-        return part.squared_scatter / self.squared_error
-
-    @property
-    def excess(self) -> float:
-        """Squared error beyond scatter, N2."""
-        return sum(part.squared_error - (part.squared_scatter or 0.0) for part in self.parts)
-
-    def share(self, part: ErrorPart) -> float:
-        """Give the share of the squared error that lies in a part."""
-        return part.squared_error / self.squared_error if self.squared_error > 0.0 else 0.0
-
-    def excess_share(self, part: ErrorPart) -> float:
-        """Give the share of the squared error beyond scatter; below zero where a part errs by less than its scatter."""
-        excess = self.excess
-        return (part.squared_error - (part.squared_scatter or 0.0)) / excess if excess > 0.0 else 0.0
-
-    def even_share(self, part: ErrorPart) -> float:
-        """Give the share that the part would have if every run's error were spread evenly."""
-        return part.squared_force / sum(entry.squared_force for entry in self.parts)
-
-    @property
-    def unevenness(self) -> float:
-        """Return the share of the error that would have to move to be spread evenly."""
-        return sum(abs(self.share(part) - self.even_share(part)) for part in self.parts) / 2
-
-    def worst_first(self) -> list[ErrorPart]:
-        """Give the parts by falling error."""
-        return sorted(self.parts, key=lambda part: -(part.nrmse or 0.0))
-
-
-@dataclass(frozen=True)
-class Condition:
-    """A condition of the tests, by levels.
-
-    Attributes:
-        key: its name in JSON.
-        name: its name in words.
-        unit: empty where the name holds it.
-        levels: the runs at each of its levels.
-        ordered: whether levels have an order.
-    """
-
-    key: str
-    name: str
-    unit: str
-    levels: tuple[Level, ...]
-    ordered: bool = True
-
-    @property
-    def varies(self) -> bool:
-        """Whether there is more than one level."""
-        return len(self.levels) > 1
-
-    @property
-    def sorts(self) -> bool:
-        """Whether it varies and a level holds several runs: otherwise it tells runs apart, and puts none together."""
-        return self.varies and any(len(level.rows) > 1 for level in self.levels)
-
-    def level_of(self, row: int) -> Level:
-        """Give the level of a run."""
-        return next(level for level in self.levels if row in level.rows)
-
-    def words(self, level: Level) -> str:
-        """Give a level with the condition's unit, or else its name."""
-        if not level.known:
-            return f"{self.name} {level.label}"
-        return f"{level.label} {self.unit}" if self.unit else f"{self.name} {level.label}"
-
-    @property
-    def title(self) -> str:
-        """Name and unit, as an axis has them."""
-        return f"{self.name} / {self.unit}" if self.unit else self.name
 
 
 @dataclass(frozen=True)
@@ -350,38 +219,6 @@ def drift(sums: Sequence[RunSums]) -> Drift | None:
     slope = complex(x @ error / (x @ x))
     variance = float(np.sum(np.abs(error - slope * x) ** 2)) / (2 * (free - 1))
     return Drift(slope.real, slope.imag, math.sqrt(variance / float(x @ x)))
-
-
-def conditions_of(campaign: Campaign, loops: Loops) -> tuple[Condition, ...]:
-    """Give the conditions of the tests: A, f, T, density, first cycle, further columns, specimen."""
-    stated = {
-        "density_g_cm3": loops.density_g_cm3,
-        "first_cycle": np.array([run.setup.first_cycle for run in campaign.runs]),
-        **loops.conditions,
-    }
-    return (
-        Condition("amplitude_mm", "A", "mm", number_levels(loops.amplitude_mm, relative=SAME_LEVEL_SHARE)),
-        Condition("frequency_Hz", "f", "Hz", number_levels(loops.frequency_Hz, relative=SAME_LEVEL_SHARE)),
-        *stated_conditions(loops.temperature_K, stated, loops.specimen),
-    )
-
-
-def stated_conditions(
-    temperature: Array, stated: Mapping[str, Array], specimen: Sequence[str | None]
-) -> tuple[Condition, ...]:
-    """Give the conditions besides the motion's: of temperatures in K, columns by name, specimens, of each run."""
-    T = number_levels(temperature - CELSIUS, absolute=SAME_TEMPERATURE_K)
-    return (
-        Condition("temperature_C", "T", "°C", T),
-        *(Condition(column, column, "", _stated_levels(values)) for column, values in stated.items()),
-        Condition("specimen", "specimen", "", name_levels(specimen), ordered=False),
-    )
-
-
-def _stated_levels(values: Array) -> tuple[Level, ...]:
-    known = values[np.isfinite(values)]
-    step = SAME_OF_RANGE * float(np.ptp(known)) if len(known) else 0.0
-    return number_levels(values, relative=SAME_LEVEL_SHARE, absolute=step)
 
 
 def by_condition(sums: Sequence[RunSums], condition: Condition) -> Breakdown:

@@ -12,7 +12,6 @@ import numpy as np
 from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison import breakdown
-from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.concentration import (
     cycles_sentence,
     drift_sentence,
@@ -20,8 +19,9 @@ from pipeclamp_identification.comparison.concentration import (
     harmonic_sentence,
     hidden_sentence,
     region,
-    region_sentence,
 )
+from pipeclamp_identification.comparison.conditions import Condition, conditions_of
+from pipeclamp_identification.comparison.densest_region import region_sentence
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples, free_conditions
 from pipeclamp_identification.comparison.free_concentration import OFTEN, free_words, outside_share
 from pipeclamp_identification.comparison.sentences import sentence
@@ -87,7 +87,7 @@ class Comparison:
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
         """The tests' conditions."""
-        return breakdown.conditions_of(self.campaign, self.loops)
+        return conditions_of(self.campaign, self.loops)
 
     @property
     def varied(self) -> tuple[Condition, ...]:

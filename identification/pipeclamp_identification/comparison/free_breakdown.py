@@ -13,13 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.campaign.free_motion import FreeRun
-from pipeclamp_identification.comparison.breakdown import (
-    LOOP_PLACES,
-    Breakdown,
-    Condition,
-    ErrorPart,
-    stated_conditions,
-)
+from pipeclamp_identification.comparison.breakdown import LOOP_PLACES
+from pipeclamp_identification.comparison.conditions import Condition, stated_conditions
+from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.signals.half_cycles import HalfCycles, half_cycles
 from pipeclamp_identification.signals.levels import distinct_texts, name_levels

@@ -6,15 +6,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Condition
-from pipeclamp_identification.comparison.concentration import (
-    PLACE_SETS,
+from pipeclamp_identification.comparison.concentration import PLACE_SETS, shares_words
+from pipeclamp_identification.comparison.conditions import Condition
+from pipeclamp_identification.comparison.densest_region import (
     Factor,
     Region,
     condition_factors,
     densest,
     region_sentence,
-    shares_words,
 )
 from pipeclamp_identification.comparison.free_breakdown import (
     DIRECTIONS,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.loops.energies import loop_energies, metric_slopes
+from pipeclamp_identification.loops.energies import loop_energies, metric_slopes, stiffness_of_energy
 from pipeclamp_models.base.signals import REFERENCES, signal_in_range
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, LawFile, law_of
@@ -69,7 +69,7 @@ def loop_in_the_middle(file: LawFile) -> LoopInTheMiddle | None:
     slopes = metric_slopes(motion, law_force, places)[:, 0]
     shares = np.sqrt(np.einsum("pm,pq,qm->m", slopes, np.array(told.matrix), slopes))
     (dissipated,), (elastic,) = loop_energies(motion, law_force.force)
-    stiffness = 2e3 * elastic / conditions["A"] ** 2
+    stiffness = stiffness_of_energy(elastic, conditions["A"])
     found = np.array([dissipated, dissipated * shares[0], stiffness, stiffness * shares[1]])
     if not np.all(np.isfinite(found)) or dissipated <= 0:
         return None

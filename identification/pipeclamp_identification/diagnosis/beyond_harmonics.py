@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign, Run
-from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_identification.comparison.concentration import region
+from pipeclamp_identification.comparison.conditions import conditions_of
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.diagnosis.evidence import CHANCE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits

@@ -302,7 +302,7 @@ def twins(
             if fits_beside(larger, stays):
                 both, alone = with_effect(larger, stays), twin.result.law.values
                 # what is there only where the one scales what the other brings is in neither
-                rest = {one.name: one.neutral for one in both.equations.parameters if one.neutral is not None}
+                rest = both.equations.neutral_values
                 starts = [both.own({**rest, **start}) for start in ({**alone, **values}, {**values, **alone})]
                 in_order = most_promising_first(both, problem.coarse, starts)
                 contenders.append(Contender((twin.effects[0], stays), both, in_order))

@@ -26,7 +26,7 @@ from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, PROMISED_SHARE, STILL_AS_GOOD
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
-from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups
+from pipeclamp_identification.fitting.heldout import count_groups
 from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.digits import newtons
@@ -139,7 +139,7 @@ class RecordDiagnosed:
         # what doesn't repeat with each cycle is in the noise, and more than that something else
         lines = diagnosis.leftover.not_periodic and diagnosis.law.lack.sure_share <= 1.0
         elsewhere = by_sensors or lines or diagnosis.is_adequate(diagnosis.law)
-        enough = int(amplitude_and_frequency_groups(diagnosis.problem.loops).max()) + 1 >= FEWEST_GROUPS
+        enough = count_groups(diagnosis.problem.loops) >= FEWEST_GROUPS
         apart = self._run_apart is not None and not self._run_apart.at_a_corner
         return enough and not elsewhere and not apart
 

@@ -114,7 +114,7 @@ def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
     return np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares).astype(np.float64)
 
 
-class Elsewhere(NamedTuple):
+class BothErrors(NamedTuple):
     """Errors on left-out groups of another kind, as shares of the force: the law's, and the candidate's."""
 
     law: float
@@ -126,7 +126,7 @@ class Elsewhere(NamedTuple):
         return self.candidate > (1 + SAME_ERROR_SHARE) * self.law
 
 
-def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Elsewhere]:
+def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, BothErrors]:
     """Give the errors by which a candidate is held against a law on other left-out groups, by their name.
 
     Where the law follows a condition by a curve that the levels that are left don't determine, what it errs on the one
@@ -149,16 +149,16 @@ def held_against(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Else
     for name, error in law.heldout_by.items():
         follows = levels_taken(signal_of_groups(name), brought) > 0
         if follows and name in law.over_range:
-            found[name] = Elsewhere(law.over_range[name], candidate.over_range[name])
+            found[name] = BothErrors(law.over_range[name], candidate.over_range[name])
         elif follows or is_foretold(name, loops, of_the_law):
-            found[name] = Elsewhere(error, candidate.heldout_by[name])
+            found[name] = BothErrors(error, candidate.heldout_by[name])
     return found
 
 
-def worse_between_levels(candidate: Judged, law: Judged, loops: Loops) -> dict[str, Elsewhere]:
+def worse_between_levels(candidate: Judged, law: Judged, loops: Loops) -> dict[str, BothErrors]:
     """Give the further conditions that a candidate follows, and whose levels it foretells worse from the others."""
     held = held_against(candidate, law, loops)
-    between = {name: Elsewhere(law.heldout_by[name], candidate.heldout_by[name]) for name in held}
+    between = {name: BothErrors(law.heldout_by[name], candidate.heldout_by[name]) for name in held}
     return {name: errors for name, errors in between.items() if errors.rises and not held[name].rises}
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.diagnosis.run_scatter import ScatterAxes
 from pipeclamp_identification.fitting.joint.fitted import Fit
-from pipeclamp_identification.fitting.observations import mean_squares_of
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 

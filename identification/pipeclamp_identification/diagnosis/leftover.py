@@ -14,6 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NO
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_identification.signals.chances import of_all, of_larger_ratio, of_rank_correlation, rank_correlation
+from pipeclamp_identification.signals.real_harmonics import as_complex
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.base.said import few_of
@@ -133,10 +134,7 @@ def harmonics_at(lines: Sequence[float], loops: Loops) -> list[str]:
 
 def _along_cycle(residual: Array) -> Array:
     """Give residual harmonics as force along the cycle, shape (R, n)."""
-    harmonics = np.zeros((len(residual), (residual.shape[1] + 1) // 2), dtype=np.complex128)
-    harmonics[:, 0] = residual[:, 0]
-    harmonics[:, 1:] = residual[:, 1::2] + 1j * residual[:, 2::2]
-    return on_grid(harmonics, SAMPLES_PER_CYCLE)
+    return on_grid(as_complex(residual), SAMPLES_PER_CYCLE)
 
 
 def _harmonic_words(judged: Judged) -> str:

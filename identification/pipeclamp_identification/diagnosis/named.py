@@ -23,10 +23,10 @@ OF_A_MOTION = {"A": ("amplitude", "mm"), "f": ("frequency", "Hz")}
 """Conditions that a law is asked for at other values than those tested."""
 
 
-def listed(names: Sequence[str]) -> str:
+def joined_by_and(names: Sequence[str]) -> str:
     """Give names as a sentence lists them.
 
-    >>> listed(["inertia", "play", "gap"])
+    >>> joined_by_and(["inertia", "play", "gap"])
     'inertia, play and gap'
     """
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))

@@ -14,11 +14,12 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter, directions
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Poolings
 from pipeclamp_identification.fitting.observations import WeightedLoops
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis, trends
 from pipeclamp_identification.loops.loops import Loops, one_row_a_run
+from pipeclamp_identification.signals.real_harmonics import as_real, elastic_and_damping, for_both_parts
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.realise.force import LawForce
 
@@ -84,7 +85,7 @@ class NoiseModel:
     """The covariance of each run's harmonics.
 
     Attributes:
-        variance: from cycles, N2, shape (R, 2 H + 1), ordered as `harmonics_of` orders them.
+        variance: from cycles, N2, shape (R, 2 H + 1), ordered as `as_real` orders them.
         directions: what of the harmonics goes with what scatters from run to run.
         scatter: from run to run.
         most_mean: scatter of the mean force, N, beyond which it would be no rig's.
@@ -174,11 +175,8 @@ def noise_model(loops: Loops, shifted: Array, residual: Array | None = None) -> 
         residual: measured less law in N, shape (R, 2 H + 1), of the best law so far; None leaves out the scatter
             between runs.
     """
-    per_harmonic = cycle_variance(loops)
-    variance = np.concatenate([per_harmonic[:, :1], np.repeat(per_harmonic[:, 1:], 2, axis=1)], axis=1)
-    harmonics = np.zeros_like(variance)
-    harmonics[:, 1::2], harmonics[:, 2::2] = loops.force[:, 1:].real, loops.force[:, 1:].imag
-    off = directions(harmonics, shifted)
+    variance = for_both_parts(cycle_variance(loops))
+    off = Directions(*elastic_and_damping(as_real(loops.force)), shifted)
     most_mean = MOST_SCATTER * float(np.median(loops.force_rms_N))
     record = np.unique(loops.run, return_inverse=True)[1]
     rows = np.bincount(record)

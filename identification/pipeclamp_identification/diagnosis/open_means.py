@@ -13,8 +13,8 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MOSTLY_STUCK_SHARE,
     REAL_LACK_CHANCE,
 )
-from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.signals.chances import of_larger_ratio
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of
 from pipeclamp_models.base.digits import newtons
 
 

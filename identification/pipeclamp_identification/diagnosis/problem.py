@@ -26,11 +26,11 @@ from pipeclamp_identification.fitting.observations import (
     as_seen_at_few,
     coarser,
     loop_observations,
-    mean_squares_of,
     points_enough,
 )
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, by_stretch
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import Structure

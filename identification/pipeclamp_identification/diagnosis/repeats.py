@@ -124,13 +124,13 @@ def _repeats(loops: Loops) -> list[IntArray]:
     """Give the first rows of runs at the same stated conditions, several runs a group."""
     first = np.unique(loops.run, return_index=True)[1]
     keys = [np.unique([name or "" for name in loops.specimen], return_inverse=True)[1][first]]
-    keys += [*(places for _, places in stated_conditions(loops, first)), set_points(loops.cycle[first])]
+    keys += [*(places for _, places in stated_set_points(loops, first)), set_points(loops.cycle[first])]
     groups = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     members = (first[groups == number] for number in range(groups.max() + 1))
     return [group for group in members if len(group) > 1]
 
 
-def stated_conditions(loops: Loops, rows: IntArray) -> list[tuple[Array, IntArray]]:
+def stated_set_points(loops: Loops, rows: IntArray) -> list[tuple[Array, IntArray]]:
     """Give each condition that is stated of runs, with its set points, but for the cycles that they have seen before.
 
     Args:

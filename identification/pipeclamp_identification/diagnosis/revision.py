@@ -22,7 +22,7 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.screen import candidate_names, promising_starts
-from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, WORTH_POWERS_RATIO
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, ratio_without_powers
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
@@ -130,8 +130,8 @@ def _is_preferred(other: Judged, asked: RevisedLaw) -> bool:
 
 
 def _errs_little_more(other: Judged, asked: RevisedLaw) -> bool:
-    """Tell whether a law errs on left-out conditions by next to no more than with the powers that it lacks."""
-    return other.heldout_nrmse <= WORTH_POWERS_RATIO * asked.law.heldout_nrmse
+    """Tell whether a law that isn't complete errs on left-out conditions by next to no more without powers."""
+    return other.heldout_nrmse <= ratio_without_powers(complete=False) * asked.law.heldout_nrmse
 
 
 def _amplitude_powers(asked: RevisedLaw) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeclamp_identification.signals.real_harmonics import by_mean_square, mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
@@ -93,7 +94,7 @@ class ScatterAxes:
         """
         counted = by_mean_square(errors)
         along = np.einsum("rmd,rm->rd", self.ways, counted)
-        return np.asarray(np.sum(counted**2, axis=1) - np.sum((1 - self._kept(missing)) * along**2, axis=1))
+        return np.asarray(mean_squares_of(errors) - np.sum((1 - self._kept(missing)) * along**2, axis=1))
 
     def by_chance(self, missing: float) -> Array:
         """Give what noise and scatter make of that, N2, shape (R,); `missing` as above."""
@@ -105,19 +106,13 @@ class ScatterAxes:
         return np.asarray((size / (size + self.variance)) ** 2)
 
 
-def by_mean_square(harmonics: Array) -> Array:
-    """Give harmonics, shape (..., m), of which the plain sum of squares is the mean square over the cycle."""
-    counts = np.full(harmonics.shape[-1], np.sqrt(0.5))
-    counts[0] = 1.0
-    return np.asarray(harmonics * counts)
-
-
 @dataclass(frozen=True)
 class Directions:
-    """What of a loop's harmonics goes with what differs from run to run, shape (R, m) each, as `harmonics_of` orders.
+    """What of a loop's harmonics goes with what differs from run to run, shape (R, m) each, as `as_real` orders.
 
     Attributes:
-        elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, N.
+        elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, N; of the force's
+            harmonics by `elastic_and_damping`.
         shifted: force by which it is off when the zero of its displacement is off by 1 mm, less the mean, N/mm.
     """
 
@@ -128,19 +123,6 @@ class Directions:
     def all(self) -> Array:
         """Give all of them, shape (3, R, m)."""
         return np.stack([self.elastic, self.damping, self.shifted])
-
-
-def directions(harmonics: Array, shifted: Array) -> Directions:
-    """Give what goes with what differs from run to run: cosines of a loop are elastic, sines are damping.
-
-    Args:
-        harmonics: of the force, in phase with the displacement, N, shape (R, m).
-        shifted: as `Directions` has it.
-    """
-    elastic, damping = np.zeros_like(harmonics), np.zeros_like(harmonics)
-    elastic[:, 1::2] = harmonics[:, 1::2]
-    damping[:, 2::2] = harmonics[:, 2::2]
-    return Directions(elastic, damping, shifted)
 
 
 def of_a_shift(law: Law, motion: Motion, harmonics: Callable[[Array], Array]) -> Array:

@@ -84,3 +84,12 @@ with which it falls so far are other ones."""
 WORTH_POWERS_RATIO = 1.1
 """Beside memory, powers of the amplitude stay in a law that isn't complete where its error rises beyond this ratio
 without them: what they take from sines they cost several times over along motions that are none."""
+
+
+def ratio_without_powers(complete: bool) -> float:
+    """Give the ratio by which a law's error may rise where powers of the amplitude are held at 0 beside its memory.
+
+    Args:
+        complete: whether nothing is missing; then the error stays the same, but for what isn't material.
+    """
+    return STILL_AS_GOOD if complete else WORTH_POWERS_RATIO

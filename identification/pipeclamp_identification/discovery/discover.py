@@ -46,7 +46,7 @@ from pipeclamp_identification.discovery.refining import MOST_REFINED, Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.discovery.weights import weighed_as
-from pipeclamp_identification.fitting.heldout import amplitude_and_frequency_groups, condition_groups
+from pipeclamp_identification.fitting.heldout import condition_groups, count_groups
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.arrays import BoolArray
@@ -127,7 +127,7 @@ def search(
         UserError: the tests can't serve the law, or are too few.
     """
     loops = loops or loops_of(campaign)
-    count = int(amplitude_and_frequency_groups(loops).max()) + 1
+    count = count_groups(loops)
     if count < FEWEST_GROUPS:
         raise UserError(
             f"groups of amplitude and frequency: {count}, too few for a new term; expected at least "

@@ -131,7 +131,7 @@ def highest(values: Array, beyond: float) -> BoolArray:
     return edge
 
 
-def worse_between_levels(law: Judged, found: Judged, problem: Problem) -> str:
+def worse_between_levels_words(law: Judged, found: Judged, problem: Problem) -> str:
     """Say that temperatures, or levels of further columns, between others are foretold worse with a term; else nothing.
 
     What follows them may pass through all levels tested, and between them through what nothing shows. That is no

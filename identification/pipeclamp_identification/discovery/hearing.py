@@ -23,7 +23,7 @@ from pipeclamp_identification.discovery.guards import (
     confirmed,
     not_in_the_catalogue,
     surely_better,
-    worse_between_levels,
+    worse_between_levels_words,
 )
 from pipeclamp_identification.discovery.search import ALIKE_CORRELATION, Screened, screened_columns
 from pipeclamp_identification.discovery.telling import telling_test
@@ -275,7 +275,10 @@ class Hearing:
         )  # fmt: skip
         rivals = self.rivals_of(best, rivals)
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
-        cautions = (worse_between_levels(law, found, problem), changes_untested(best.term, found.result.law, problem))
+        cautions = (
+            worse_between_levels_words(law, found, problem),
+            changes_untested(best.term, found.result.law, problem),
+        )
         caution = "; ".join(filter(None, cautions))
         return TermFound(
             best.term, found, law, tuple(RivalTerm(one.term) for one in rivals), telling, guards, self.gone, caution

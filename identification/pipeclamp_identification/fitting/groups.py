@@ -18,6 +18,7 @@ from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
 from pipeclamp_identification.signals.orthonormal import orthonormal
+from pipeclamp_identification.signals.real_harmonics import elastic_and_damping
 from pipeclamp_identification.signals.sample_noise import scatter_by_median
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.signals import signal_of
@@ -167,13 +168,10 @@ def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservat
 
 def _changes(observations: LoopObservations) -> dict[GroupQuantity, Array]:
     """Give what a share more of stiffness, of damping, and a newton of mean force do to the harmonics, shape (R, m)."""
-    changes = {quantity: np.zeros_like(observations.harmonics) for quantity in QUANTITIES}
-    harmonics = np.where(observations.seen, observations.harmonics, 0.0)
-    # with the motion a cosine, what loading and unloading share is in phase, the rest in quadrature
-    changes["stiffness"][:, 1::2] = harmonics[:, 1::2]
-    changes["damping"][:, 2::2] = harmonics[:, 2::2]
-    changes["mean_force"][:, 0] = observations.seen[:, 0]
-    return changes
+    stiffness, damping = elastic_and_damping(np.where(observations.seen, observations.harmonics, 0.0))
+    mean_force = np.zeros_like(stiffness)
+    mean_force[:, 0] = observations.seen[:, 0]
+    return {"stiffness": stiffness, "damping": damping, "mean_force": mean_force}
 
 
 def _by_run(loops: Loops, observations: LoopObservations, law_force: LawForce) -> _Runs:

@@ -40,7 +40,7 @@ def condition_groups(loops: Loops) -> IntArray:
 
 def left_out_at_once(loops: Loops) -> str:
     """Name what is the same within each of `condition_groups`."""
-    return {0: "runs", 1: "settings"}.get(int(amplitude_and_frequency_groups(loops).max()), "A, f")
+    return {1: "runs", 2: "settings"}.get(count_groups(loops), "A, f")
 
 
 def are_few_settings(loops: Loops) -> bool:
@@ -70,6 +70,11 @@ def amplitude_and_frequency_groups(loops: Loops) -> IntArray:
     return _alike((loops.amplitude_mm, loops.frequency_Hz))
 
 
+def count_groups(loops: Loops) -> int:
+    """Count the (amplitude, frequency) groups."""
+    return int(amplitude_and_frequency_groups(loops).max()) + 1
+
+
 def _alike(quantities: Sequence[Array]) -> IntArray:
     """Give each loop the number of those that have the same levels of all quantities, shape (R,)."""
     levels = [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in quantities]
@@ -78,7 +83,7 @@ def _alike(quantities: Sequence[Array]) -> IntArray:
 
 def are_at_one_condition(loops: Loops) -> bool:
     """Tell whether no condition can be left out to see what a law foretells: leaving a run out leaves its repeats."""
-    return bool(amplitude_and_frequency_groups(loops).max() == 0) and not further_groups(loops)
+    return count_groups(loops) == 1 and not further_groups(loops)
 
 
 def further_groups(loops: Loops) -> dict[str, IntArray]:

@@ -81,7 +81,7 @@ def fit(
     reasons = not_fitted(structure, equations, observations)
     scales = data_scales(observations)
     bounds = _bounds(equations, reasons, scales)
-    neutral = {parameter.name: parameter.neutral for parameter in equations.parameters if parameter.neutral is not None}
+    neutral = equations.neutral_values
     best: tuple[float, Array] | None = None
     given = start or {}
     points = starts_by_effect(structure, given, scales)
@@ -112,13 +112,12 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
     Args:
         structure: the law's structure.
         observations: what it is held against.
-        values: a value for each parameter; what is missing is neutral.
+        values: a value for each parameter; what is missing is neutral, or where its first start is.
     """
     equations = structure.equations
     scales = data_scales(observations)
-    chosen = {
-        parameter.name: values.get(parameter.name, _neutral(parameter, scales)) for parameter in equations.parameters
-    }
+    first = {one.name: number_in(one.starts[0], scales) for one in equations.parameters}
+    chosen = {**first, **equations.neutral_values, **structure.own(values)}
     law = Law(structure, chosen, *smoothing_of(observations))
     law_force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), observations.motion)
     residual = observations.residual(law_force)
@@ -134,10 +133,6 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
         spreads=spreads_of(equations, scales),
         room=np.zeros((2, 0)),
     )
-
-
-def _neutral(parameter: ParameterOutline, scales: Sizes) -> float:
-    return parameter.neutral if parameter.neutral is not None else number_in(parameter.starts[0], scales)
 
 
 def _sizes(parameters: Sequence[ParameterOutline], scales: Sizes) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.smoothing import averaged
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
+from pipeclamp_identification.signals.real_harmonics import as_real, for_both_parts, mean_squares_of, real_harmonics_of
 from pipeclamp_identification.signals.sampled_transform import sampled_transform
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.base.errors import UserError
@@ -26,7 +27,7 @@ FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
 SAMPLES_PER_CYCLE = 512
 """Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
-FEWEST_SAMPLES_PER_CYCLE = 64
+FEWEST_POINTS_PER_CYCLE = 64
 """Points at least, so that they show the harmonics."""
 GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
@@ -74,25 +75,6 @@ class Observations(Protocol):
         """Give how many of the residuals are evidence; the others are zero, whatever the law."""
 
 
-def real_harmonics_of(samples: Array, count: int) -> Array:
-    """Give harmonics 0..count of periodic rows as real numbers: mean, then real and imaginary parts.
-
-    Args:
-        samples: shape (..., n), equally spaced over one cycle.
-        count: highest harmonic.
-
-    Returns:
-        shape (..., 2 count + 1): F_0, Re F_1, Im F_1, ..., where F = Re sum F_n exp(i n theta).
-    """
-    n = samples.shape[-1]
-    transform = np.fft.rfft(samples, axis=-1)[..., : count + 1] * (2.0 / n)
-    harmonics = np.empty((*samples.shape[:-1], 2 * count + 1))
-    harmonics[..., 0] = transform[..., 0].real / 2
-    harmonics[..., 1::2] = transform[..., 1:].real
-    harmonics[..., 2::2] = transform[..., 1:].imag
-    return harmonics
-
-
 def harmonic_slopes(law_force: LawForce, count: int, parameters: IntArray) -> Array:
     """Give the derivatives of a force's harmonics 0..count by some of the law's parameters, shape (P, R, m)."""
     return known_jacobian(law_force).through(lambda forces: real_harmonics_of(forces, count), parameters)
@@ -117,11 +99,6 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
         in_threads(fill, rows, sum(len(loops.phases[row]) for row in rows) / max(len(rows), 1))
     # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
     return averaged(own, loops.force_average)
-
-
-def mean_squares_of(harmonics: Array) -> Array:
-    """Give the mean square over the cycle of what has these harmonics, shape (R, m), by Parseval: shape (R,)."""
-    return np.asarray(harmonics[:, 0] ** 2 + np.sum(harmonics[:, 1:] ** 2, axis=1) / 2)
 
 
 @dataclass(frozen=True)
@@ -341,17 +318,12 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
 
 def loop_observations(loops: Loops, samples: int = SAMPLES_PER_CYCLE) -> LoopObservations:
     """Give the harmonics of loops as observations, in units of their scatter; laws are evaluated at so many points."""
-    harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
-    harmonics[:, 0] = loops.force[:, 0].real
-    harmonics[:, 1::2] = loops.force[:, 1:].real
-    harmonics[:, 2::2] = loops.force[:, 1:].imag
-    error = loops.force_standard_error
-    both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
+    error = for_both_parts(loops.force_standard_error)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES_PER_CYCLE), axis=1) / 2
     names, of_row = np.unique(loops.run, return_inverse=True)
     return LoopObservations(
-        loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples), loops.deny_constant_force,
-        of_row.astype(np.intp) if len(names) < len(loops.run) else None,
+        loop_motion(loops, samples), as_real(loops.force), error, amplitude, _transforms(loops, samples),
+        loops.deny_constant_force, of_row.astype(np.intp) if len(names) < len(loops.run) else None,
     )  # fmt: skip
 
 
@@ -362,7 +334,7 @@ def points_enough(loops: Loops) -> int:
     """
     per_cycle = _samples_per_cycle(loops)
     sampled = POINTS_PER_SAMPLE * max((count for count in per_cycle if count < FEW_SAMPLES), default=0.0)
-    points = 2 * FEWEST_SAMPLES_PER_CYCLE
+    points = 2 * FEWEST_POINTS_PER_CYCLE
     while points < SAMPLES_PER_CYCLE and not (
         points >= sampled and GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse
     ):
@@ -376,7 +348,7 @@ def _samples_per_cycle(loops: Loops) -> list[float]:
 
 def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
     """Give loops at a quarter of the points, for fits that only lead near."""
-    return loop_observations(loops, max(FEWEST_SAMPLES_PER_CYCLE, observations.motion.y.shape[1] // 4))
+    return loop_observations(loops, max(FEWEST_POINTS_PER_CYCLE, observations.motion.y.shape[1] // 4))
 
 
 def as_seen_at_few(few: LoopObservations, many: LoopObservations, law: tuple[LawForce, LawForce]) -> LoopObservations:

@@ -15,10 +15,10 @@ from numpy.polynomial import Polynomial, chebyshev
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
-# the most powers of each part that are tried: up to y^15 and y^14
 MOST_POWERS = 8
-# Gauss nodes on each half loop: exact far beyond the harmonics that a loop keeps
+"""The most powers of each part that are tried: up to y^15 and y^14."""
 NODES = 64
+"""Gauss nodes on each half loop: exact far beyond the harmonics that a loop keeps."""
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,11 @@ def _energies_at_extremes(motion: Motion, force: Array) -> Callable[[Array], Arr
     return energies
 
 
+def stiffness_of_energy(elastic_J: float, amplitude_mm: float) -> float:
+    """Give the stiffness in N/mm that belongs to W in J, k = 2 W/X0^2, Eq. 4."""
+    return 2e3 * elastic_J / amplitude_mm**2
+
+
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
     """Give dW and W in J of periodic loops, Eq. 2 and 4: dW = sum F v h, W = (Fmax - Fmin)/2 X0/2; shape (R,) each."""
     dissipated = np.sum(force * motion.v * motion.h, axis=1) / 1e3

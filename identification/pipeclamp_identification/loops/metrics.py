@@ -9,8 +9,8 @@ import numpy as np
 from pipeclamp_identification.loops.loops import Loops, on_grid, per_cycle
 from pipeclamp_models.base.arrays import Array
 
-# points of the cycle among which the force's extremes are sought: 20 harmonics change little between two of them
 SAMPLES_PER_CYCLE = 512
+"""Points of the cycle among which the force's extremes are sought: 20 harmonics change little between two of them."""
 
 
 @dataclass(frozen=True)

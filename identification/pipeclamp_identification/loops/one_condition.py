@@ -14,8 +14,9 @@ from pipeclamp_identification.loops.published_rows import KELVINS, PublishedRow,
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.digits import rounded_to
 
-# settings of a test plan that are meant to be the same lie this close together, those that aren't lie further apart
 SAME_SETTING_SHARE = 0.03
+"""Settings of a test plan that are meant to be the same lie this close together, those that aren't lie further
+apart."""
 
 SPECIMEN = "specimen"
 

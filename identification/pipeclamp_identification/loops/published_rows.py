@@ -10,10 +10,10 @@ from functools import cache
 from importlib import resources
 
 from pipeclamp_identification.campaign.reading import Run
+from pipeclamp_identification.loops.energies import stiffness_of_energy
 
-# how far a run may lie from a published row's nominal conditions: what test rigs keep to
-RELATIVE = 0.02
-KELVINS = 5.0
+RELATIVE, KELVINS = 0.02, 5.0
+"""How far a run may lie from a published row's nominal conditions: what test rigs keep to."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class PublishedRow:
     @property
     def stiffness(self) -> float:
         """Return the stiffness in N/mm that belongs to W: k = 2 W/X0^2, Eq. 4."""
-        return 2e3 * self.max_elastic_energy_J / self.amplitude_mm**2
+        return stiffness_of_energy(self.max_elastic_energy_J, self.amplitude_mm)
 
 
 @cache

@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign.fingerprint import digests_of
 from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable, Setup
 from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
+from pipeclamp_identification.loops.energies import stiffness_of_energy
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import condition_signal
@@ -37,7 +38,15 @@ AGREEING_SHARE = 0.01
 
 @dataclass(frozen=True)
 class MetricRun:
-    """One loop: its motion, its energies in J, and what rounding leaves open of each, as a share."""
+    """One loop by its metrics.
+
+    Attributes:
+        name: of the run.
+        setup: the conditions of the test.
+        amplitude_mm, frequency_Hz: of its motion.
+        dissipated_energy_J, max_elastic_energy_J: dW and W.
+        rounding: what it leaves open of dW and of W, as shares.
+    """
 
     name: str
     setup: Setup
@@ -50,7 +59,7 @@ class MetricRun:
     @property
     def stiffness(self) -> float:
         """Stiffness in N/mm that belongs to W: k = 2 W/X0^2, Eq. 4."""
-        return 2e3 * self.max_elastic_energy_J / self.amplitude_mm**2
+        return stiffness_of_energy(self.max_elastic_energy_J, self.amplitude_mm)
 
     @property
     def loss_factor(self) -> float:
@@ -65,7 +74,16 @@ class MetricRun:
 
 @dataclass(frozen=True)
 class MetricCampaign:
-    """The loops of one clamp by their metrics, in runs.csv's order, and those that were left out."""
+    """The loops of one clamp by their metrics.
+
+    Attributes:
+        name, notes: of its description.
+        fingerprint: SHA-256 over all that it was read from.
+        runs: in runs.csv's order.
+        left_out: those that can't be used, and why.
+        condition_columns: of runs.csv, of further conditions.
+        time_measured: whether its frequencies are: otherwise loops were taken without a time.
+    """
 
     name: str
     notes: str
@@ -74,7 +92,6 @@ class MetricCampaign:
     left_out: tuple[LeftOut, ...]
     condition_columns: tuple[str, ...]
     time_measured: bool = True
-    """Whether its frequencies are: otherwise loops were taken without a time."""
 
 
 def metric_campaign_of(

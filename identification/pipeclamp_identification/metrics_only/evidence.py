@@ -163,10 +163,10 @@ def metric_scatter_of(judged: MetricJudged, observations: MetricObservations, ex
 def _basis(judged: MetricJudged, observations: MetricObservations) -> Array:
     """Give an orthonormal basis of what the fitted parameters move in the residuals, shape (2 R, P)."""
     slopes = np.moveaxis(observations.residual_slopes(judged.result.law_force, judged.result.places), 0, -1)
-    return directions(slopes.reshape(judged.residual.size, -1))
+    return orthonormal_directions(slopes.reshape(judged.residual.size, -1))
 
 
-def directions(columns: Array) -> Array:
+def orthonormal_directions(columns: Array) -> Array:
     """Give an orthonormal basis of what columns span, each counted by its direction, not its size."""
     norms = np.linalg.norm(columns, axis=0)
     return orthonormal(columns / np.where(norms > 0, norms, 1.0), SINGULAR_SHARE)

@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.further_test.next_test import (
     LEVELS_OF_A_AND_F,
     LEVELS_OF_T,
     NoTest,
+    rate_words,
     temperature_words,
 )
 from pipeclamp_identification.diagnosis.further_test.outlook import LEAST_DEVIATIONS, PROFILES, SINE
@@ -39,6 +40,7 @@ class MetricProposal:
         separation: expected difference between the rivals' log dW and log W in standard deviations of scatter and
             doubt.
         rivals: names of the two that it separates.
+        timed: whether the tests' time was measured: else the frequency is but that of one cycle a second.
     """
 
     amplitude_mm: float
@@ -46,6 +48,7 @@ class MetricProposal:
     temperature_C: float | None
     separation: float
     rivals: tuple[str, str]
+    timed: bool
 
     @property
     def plan(self) -> DrivePlan:
@@ -60,7 +63,7 @@ class MetricProposal:
         """Say what to do."""
         one, other = self.rivals
         test = (
-            f"run a sine test at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, "
+            f"run a sine test at {self.amplitude_mm:.3g} mm{rate_words(self.frequency_Hz, self.timed)}, "
             f"{temperature_words(self.temperature_C)}: dW and W of {one} and {other} then differ by "
             f"{self.separation:.1f} standard deviations"
         )
@@ -110,7 +113,7 @@ def next_metric_test(
     amplitude, frequency, temperature = (float(value) for value in grid[row])
     return MetricProposal(
         amplitude, frequency, None if "T" in so_far.assumed else temperature, float(separation[row]),
-        (names[0], names[1]),
+        (names[0], names[1]), timed,
     )  # fmt: skip
 
 

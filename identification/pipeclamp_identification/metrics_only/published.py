@@ -132,8 +132,9 @@ class PublishedStep:
     fit: Fit | None
 
 
-# The printed c has no power of A (only the sine term that can't be recovered), so the refitted one has none either.
 PRINTED_FORM = (("c_A", 0.0),)
+"""The printed c has no power of A (only the sine term that can't be recovered), so the refitted one has none
+either."""
 WITHOUT_T_POWERS = (*PRINTED_FORM, ("k1_T", 0.0), ("k3_T", 0.0))
 WAY = (
     ("refitted", Structure("power", frozen=PRINTED_FORM)),

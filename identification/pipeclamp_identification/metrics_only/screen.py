@@ -11,7 +11,7 @@ import numpy as np
 from pipeclamp_identification.fitting.joint.not_fitted import ONE_AMPLITUDE, undetermined, varies_in_amplitude
 from pipeclamp_identification.fitting.joint.points import starting_points
 from pipeclamp_identification.loops.energies import metric_slopes
-from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions, fewest_numbers
+from pipeclamp_identification.metrics_only.evidence import MetricJudged, fewest_numbers, orthonormal_directions
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.thresholds import IMITATED_SHARE, UNSEEN_SHARE
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
@@ -106,12 +106,12 @@ def _first_step(
     size = np.sqrt(np.mean(law_force.force**2))
     in_force = np.sqrt(np.mean(known_jacobian(law_force).of(free) ** 2, axis=(1, 2)))[new] / size
     in_metrics = np.sqrt(np.mean(slopes**2, axis=(1, 2)))[new]
-    basis = directions(weighted[:, ~new])
+    basis = orthonormal_directions(weighted[:, ~new])
     beyond = weighted[:, new] - basis @ (basis.T @ weighted[:, new])
     apart = bool(np.any(_norms(beyond) > IMITATED_SHARE * _norms(weighted[:, new])))
     residual = np.nan_to_num(observations.residual(law_force)).ravel()
     left = residual - basis @ (basis.T @ residual)
-    gain = float(np.sum((directions(beyond).T @ left) ** 2)) if apart else 0.0
+    gain = float(np.sum((orthonormal_directions(beyond).T @ left) ** 2)) if apart else 0.0
     return _Step(float(left @ left) - gain, bool(np.any(in_metrics > UNSEEN_SHARE * in_force)), apart)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
-from pipeclamp_identification.diagnosis.named import WITH, listed
+from pipeclamp_identification.diagnosis.named import WITH, joined_by_and
 from pipeclamp_identification.diagnosis.thresholds import (
     BEYOND_DOUBT_DRAWS_SHARE,
     MATERIAL_PART_SHARE,
@@ -245,7 +245,7 @@ def _firsts(laws: Sequence[MetricJudged]) -> tuple[str, ...]:
 
 
 def _all(named: Sequence[MetricJudged]) -> str:
-    return listed([_both(one) for one in named])
+    return joined_by_and([_both(one) for one in named])
 
 
 def _both(judged: MetricJudged) -> str:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Breakdown, ErrorPart
-from pipeclamp_identification.comparison.concentration import Factor, Region, densest, region_sentence
+from pipeclamp_identification.comparison.densest_region import Factor, Region, densest, region_sentence
+from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, read_measurement_description
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
 from pipeclamp_identification.on_pipe.record_files import MotionRecord, read_motion_records

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, ErrorPart
-from pipeclamp_identification.comparison.concentration import Factor, Region, condition_factors, densest, is_scatter
+from pipeclamp_identification.comparison.conditions import Condition
+from pipeclamp_identification.comparison.densest_region import Factor, Region, condition_factors, densest, is_scatter
+from pipeclamp_identification.comparison.error_parts import Breakdown, ErrorPart
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement, read_measurement
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
 from pipeclamp_identification.on_pipe.prediction import (

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pipeclamp_identification.comparison.concentration import is_scatter, region_sentence
+from pipeclamp_identification.comparison.densest_region import is_scatter, region_sentence
 from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, temperatures
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.signals.levels import number_levels

@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 from pipeclamp_identification.campaign.rig.plan import TestPlan
 from pipeclamp_identification.campaign.rig.truth import truth_of
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD
-from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES_PER_CYCLE, mean_squares_of, real_harmonics_of
+from pipeclamp_identification.fitting.observations import FEWEST_POINTS_PER_CYCLE
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of, real_harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS, grows_with_force
@@ -36,7 +37,7 @@ def bare_law(file: LawFile) -> Law:
 
 def peak_forces(file: LawFile, grid: Mapping[str, Array]) -> Array:
     """Give about the largest force of a file's base law at each condition of a grid, N, shape (R,)."""
-    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE, file.about)
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_POINTS_PER_CYCLE, file.about)
     return 2 * np.sqrt(
         mean_squares_of(real_harmonics_of(force_of_law(bare_law(file), motion).force, HARMONICS_FORETOLD))
     )
@@ -86,7 +87,7 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
         UserError: as for `typical_law`.
     """
     law, bare = typical_law(file, effect, grid), bare_law(file)
-    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES_PER_CYCLE, file.about)
+    motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_POINTS_PER_CYCLE, file.about)
     without = real_harmonics_of(force_of_law(bare, motion).force, HARMONICS_FORETOLD)
     own = [one for one in law.equations.composed.parameters if one.name not in bare.values]
     forces = {one.name: float(one.neutral or 0.0) for one in own if grows_with_force(one.unit)}

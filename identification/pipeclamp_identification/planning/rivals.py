@@ -26,8 +26,9 @@ from pipeclamp_identification.fitting.joint.fitted import Fit
 from pipeclamp_identification.fitting.joint.points import linearised, starting_points
 from pipeclamp_identification.fitting.joint.starts import Linearised
 from pipeclamp_identification.fitting.least_squares import fit
-from pipeclamp_identification.fitting.observations import LoopObservations, real_harmonics_of
+from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.fitting.refinement import refined_starts
+from pipeclamp_identification.signals.real_harmonics import real_harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.catalogue import effect_id, find_effect

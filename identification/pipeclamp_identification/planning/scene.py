@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS_FORETOLD, sensor_noise
-from pipeclamp_identification.diagnosis.run_scatter import RunScatter, directions
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_FORCE_SHARE, MATERIAL_NOISE_SHARE
 from pipeclamp_identification.fitting.joint.fitted import Fit
-from pipeclamp_identification.fitting.observations import harmonic_slopes, mean_squares_of, real_harmonics_of
+from pipeclamp_identification.fitting.observations import harmonic_slopes
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial
 from pipeclamp_identification.planning.seen import lack_of, norms_of
+from pipeclamp_identification.signals.real_harmonics import elastic_and_damping, mean_squares_of, real_harmonics_of
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -126,7 +127,9 @@ def scene(
     """
     bare, motion = bare_law(file), sinusoids(grid["A"], grid["f"], grid["T"], SAMPLES_PER_CYCLE, file.about)
     force, slopes = _foretold(bare, motion)
-    between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(directions(force, np.zeros_like(force)))
+    between_runs = RunScatter(stiffness=scatter, damping=scatter).covariance(
+        Directions(*elastic_and_damping(force), np.zeros_like(force))
+    )
     covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + between_runs
     empty = Scene(
         grid, (), (), _rms(force), noise_N, (), covariance, slopes,

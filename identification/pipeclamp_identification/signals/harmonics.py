@@ -13,15 +13,15 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
-# points in a cycle, and in a period of the highest harmonic, with which a fit is as good as with more
-POINTS_PER_CYCLE = 160
-POINTS_PER_PERIOD = 8
-# neighbours are equally spaced when no spacing differs by more than this share
+POINTS_PER_CYCLE, POINTS_PER_PERIOD = 160, 8
+"""Points in a cycle, and in a period of the highest harmonic, with which a fit is as good as with more."""
 EVEN_SHARE = 0.01
-# cycles and harmonics from which on one basis for all cycles takes less time than sums over each
+"""Neighbours are equally spaced when no spacing differs by more than this share."""
 MANY_CYCLES, MANY_HARMONICS = 16, 4
-# samples lie on a line when none is off it by more than this share of a step, as times printed with few digits do
+"""Cycles and harmonics from which on one basis for all cycles takes less time than sums over each."""
 ON_A_LINE = 1e-3
+"""Samples lie on a line when none is off it by more than this share of a step, as times printed with few digits
+do."""
 
 
 def unit_phasor(phase: Array) -> ComplexArray:

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from pipeclamp_identification.signals.harmonics import phasor_powers, solved
+from pipeclamp_identification.signals.real_harmonics import as_real
 from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
@@ -27,7 +28,7 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
         count: highest harmonic.
 
     Returns:
-        shape (n, 2 count + 1), ordered F_0, Re F_1, Im F_1, ....
+        shape (n, 2 count + 1), ordered as by `as_real`.
     """
     place = (phase % (2 * np.pi)) * (samples / (2 * np.pi))
     left = np.floor(place).astype(np.intp)
@@ -57,7 +58,7 @@ def _through_lines(left: IntArray, off: Array, samples: int, count: int) -> Arra
         count: highest harmonic.
 
     Returns:
-        shape (n, 2 count + 1), ordered F_0, Re F_1, Im F_1, ....
+        shape (n, 2 count + 1), ordered as by `as_real`.
     """
     middles, factors = _series(samples, 2 * count)
     moments, power = np.empty((factors.shape[1] + 1, samples)), np.ones_like(off)
@@ -69,14 +70,7 @@ def _through_lines(left: IntArray, off: Array, samples: int, count: int) -> Arra
         (middles[: count + 1] * (factors[: count + 1] @ (0.5 * moments[:-1] + sign * moments[1:]))).T
         for sign in (-1, 1)
     )
-    harmonics = solved(sums[None], (from_left + np.roll(from_right, 1, axis=0))[:, None], count)[:, 0]
-    transform = np.empty((samples, 2 * count + 1))
-    transform[:, 0], transform[:, 1::2], transform[:, 2::2] = (
-        harmonics[:, 0].real,
-        harmonics[:, 1:].real,
-        harmonics[:, 1:].imag,
-    )
-    return transform
+    return as_real(solved(sums[None], (from_left + np.roll(from_right, 1, axis=0))[:, None], count)[:, 0])
 
 
 @cache
@@ -99,11 +93,7 @@ def _series(samples: int, highest: int) -> tuple[ComplexArray, ComplexArray]:
 def _basis(phase: Array, count: int) -> Array:
     """Give what each part of the harmonics, in the transform's order, is at phases, shape (N, 2 count + 1)."""
     powers = phasor_powers(phase, count)
-    basis = np.empty((len(phase), 2 * count + 1))
-    basis[:, 0] = 1.0
-    basis[:, 1::2] = powers.real.T
-    basis[:, 2::2] = -powers.imag.T
-    return basis
+    return as_real(np.concatenate([np.ones((1, len(phase))), np.conj(powers)]).T)
 
 
 def _at_rows(rows: IntArray, values: Array, count: int) -> Array:

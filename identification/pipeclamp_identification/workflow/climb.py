@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, STILL_AS_GOOD, WORTH_POWERS_RATIO
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, ratio_without_powers
 from pipeclamp_identification.workflow.change import (
     LawChange,
     add_effects,
@@ -365,7 +365,7 @@ class Climber:
         if structure is None:
             return None
         change = self._exchanged(file, structure)
-        as_good = stays_as_good(change, STILL_AS_GOOD if complete else WORTH_POWERS_RATIO)
+        as_good = stays_as_good(change, ratio_without_powers(complete))
         return Rung(change, "revision", (_spared(change),)) if as_good else None
 
     def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:

@@ -222,6 +222,11 @@ class Equations:
         return tuple(parameter.name for parameter in self.parameters)
 
     @property
+    def neutral_values(self) -> dict[str, float]:
+        """Values at which parameters do nothing, by name, of those that have one."""
+        return {one.name: one.neutral for one in self.parameters if one.neutral is not None}
+
+    @property
     def states(self) -> tuple[StateOutline, ...]:
         """The memory."""
         return self.outline.states

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.fitting.observations import loop_observations, real_harmonics_of
+from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.signals.real_harmonics import real_harmonics_of
 from pipeclamp_identification.signals.reversals import Bridged, bridged
 from pipeclamp_identification.signals.sampled_transform import sampled_transform
 from pipeclamp_models.law.law import Law, Structure

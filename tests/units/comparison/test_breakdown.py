@@ -12,8 +12,9 @@ from pipeclamp_identification.comparison.concentration import (
     farthest_off,
     harmonic_sentence,
     region,
-    region_sentence,
 )
+from pipeclamp_identification.comparison.conditions import conditions_of
+from pipeclamp_identification.comparison.densest_region import region_sentence
 from pipeclamp_identification.comparison.sums import error_sums
 from pipeclamp_identification.loops.loops import loops_of
 
@@ -39,7 +40,7 @@ def sums_of(harmonic_record, run_of, campaign_of, misfit_of):
         campaign = campaign_of(*runs)
         loops = loops_of(campaign)
         misfits = tuple(misfit_of(run, error, noise) for run, (*_, error) in zip(runs, cases, strict=True))
-        return error_sums(campaign, loops, misfits), breakdown.conditions_of(campaign, loops)
+        return error_sums(campaign, loops, misfits), conditions_of(campaign, loops)
 
     return build
 

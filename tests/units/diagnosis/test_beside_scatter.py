@@ -7,8 +7,8 @@ import pytest
 
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore
-from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter, ScatterAxes, by_mean_square
-from pipeclamp_identification.fitting.observations import mean_squares_of
+from pipeclamp_identification.diagnosis.run_scatter import Directions, RunScatter, ScatterAxes
+from pipeclamp_identification.signals.real_harmonics import by_mean_square, mean_squares_of
 from pipeclamp_models.base.arrays import Array
 
 RUNS, CHANNELS, NOISE, MISSING = 48, 7, 0.02, 0.5

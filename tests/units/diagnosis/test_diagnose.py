@@ -9,7 +9,7 @@ from bump import BUMP
 from few_effects import few_effects
 
 from pipeclamp.pages.diagnosis import promised
-from pipeclamp.pages.page import plain, render
+from pipeclamp.pages.page import render, specification_of
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
 from pipeclamp.studio.bench import with_candidate
@@ -236,7 +236,7 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     found = seen[0]
     assert (found.verdict, found.kind, found.effects) == ("missing", "part", found.together[:1])
     assert f"Part of what is missing: {' with '.join(found.together)}." == found.headline()
-    on_page = plain(diagnosis_page(file, found, "")[0].figures[0])["data"]
+    on_page = specification_of(diagnosis_page(file, found, "")[0].figures[0])["data"]
     in_studio = json.loads(waterfall_of(file, shown_diagnosis(found, file)).specification)["data"]
     assert in_studio == on_page, "the studio promises what the page does"
     told, both = shown_diagnosis(found, file), " + ".join(found.together)

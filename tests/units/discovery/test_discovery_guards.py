@@ -35,7 +35,7 @@ from pipeclamp_identification.discovery.guards import (
     squared_errors,
     surely_worse,
     weighed_errors,
-    worse_between_levels,
+    worse_between_levels_words,
 )
 from pipeclamp_identification.discovery.hearing import (
     Hearing,
@@ -522,7 +522,7 @@ def test_what_goes_wrong_between_the_temperatures_tested_is_said(squares, told, 
     loops = SimpleNamespace(temperature_K=np.repeat([293.0, 373.0, 473.0, 573.0], 2), conditions={})
     given = iter(squares)
     monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, groups: next(given))
-    words = worse_between_levels(None, None, SimpleNamespace(loops=loops))
+    words = worse_between_levels_words(None, None, SimpleNamespace(loops=loops))
     assert words.startswith(told)
     assert bool(words) == bool(told)
 

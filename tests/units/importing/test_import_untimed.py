@@ -53,6 +53,14 @@ def files(tmp_path):
     return [table(tmp_path / f"step{number}.csv", a) for number, a in enumerate(AMPLITUDES)]
 
 
+def test_no_pattern_states_a_frequency_where_time_was_not_measured(tmp_path):
+    """It had been proposed beside --rate none, which then said that the frequency isn't used."""
+    files = [table(tmp_path / f"F{number}_A{a}.csv", a) for number, a in enumerate(AMPLITUDES, 1)]
+    assert pc.import_files(files, tmp_path / "c", rate="none", dry_run=True).to_dict()["pattern"] == "A{amplitude_mm}"
+    files = [table(tmp_path / f"F{number}.csv", a) for number, a in enumerate(AMPLITUDES, 1)]
+    assert pc.import_files(files, tmp_path / "c", rate="none", dry_run=True).to_dict()["pattern"] == ""
+
+
 def slip_curve(amplitude, count, seed, close=True):
     """A loop of a spring with friction as a picture has it: so many points, unevenly, from rest upwards and round."""
     steps = np.random.default_rng(seed).uniform(0.2, 1.8, count)

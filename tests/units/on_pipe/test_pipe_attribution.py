@@ -14,7 +14,7 @@ from cantilever import shaken
 from pipeclamp.pages.page import render
 from pipeclamp.pages.system.on_pipe import attributed_sections
 from pipeclamp.show.on_pipe import attribution_words
-from pipeclamp_identification.attribution import verdict
+from pipeclamp_identification.attribution import other_branches
 from pipeclamp_identification.attribution.answer import attribution_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.compared import Compared
@@ -213,10 +213,10 @@ def test_a_response_is_followed_once_for_all_that_is_but_seen_otherwise(comparis
 
 
 def test_looking_for_other_branches_ends_and_says_what_was_left_out(comparison, found, monkeypatch):
-    monkeypatch.setattr(verdict, "NEAR_ENOUGH", 0.0)  # as where no refit comes near
-    monkeypatch.setattr(verdict, "MOST_FOLLOWED", 1.0)
+    monkeypatch.setattr(other_branches, "NEAR_ENOUGH", 0.0)  # as where no refit comes near
+    monkeypatch.setattr(other_branches, "MOST_FOLLOWED", 1.0)
     refits, told = [one.refit for one in found.candidates if len(one.suspects) == 1], []
-    _, unseen = verdict._on_the_nearest_branches(found.task, refits, comparison, told.append)
+    _, unseen = other_branches.on_the_nearest_branches(found.task, refits, comparison, told.append)
     assert 5 < unseen < len(refits)
     assert told[-1].startswith(f"look for other branches, {len(refits) - unseen + 1} of {len(refits)}")
     words = " ".join(attribution_words(replace(found, unseen=unseen), None))

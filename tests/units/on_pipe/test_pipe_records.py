@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cantilever import cantilever, shaken
 
-from pipeclamp.pages.page import plain, render
+from pipeclamp.pages.page import render, specification_of
 from pipeclamp.pages.system import pipe_records
 from pipeclamp.pages.system.on_pipe import attributed_sections
 from pipeclamp.pages.system.pipe_records import records_sections
@@ -106,7 +106,7 @@ def test_what_is_drawn_first_is_where_the_model_errs_most(bench, monkeypatch):
     measured = picture.data[0]
     assert (measured.x[0], measured.x[-1]) == (table[0, 0], table[-1, 0]), "a double click shows all"
     assert np.isin(table[(table[:, 0] >= begin) & (table[:, 0] <= end), 0], measured.x).all()
-    assert "data" not in plain(picture)["narrow"], "one below the other, it is the same data"
+    assert "data" not in specification_of(picture)["narrow"], "one below the other, it is the same data"
 
 
 def test_what_is_added_is_found_at_its_probe_and_frequency(bench):

@@ -12,7 +12,7 @@ import pytest
 
 from pipeclamp.pages.alternative import words_of
 from pipeclamp.pages.error_pictures import ConditionsMap, conditions_picture
-from pipeclamp.pages.page import MOST_ROWS, Section, plain, render, write_report
+from pipeclamp.pages.page import MOST_ROWS, Section, render, specification_of, write_report
 from pipeclamp.pages.pictures import (
     LoopPanel,
     curves_picture,
@@ -142,7 +142,7 @@ def test_wide_pictures_scroll_in_a_narrow_window(page):
 
 
 def test_loops_stand_below_each_other_in_a_narrow_window_and_their_data_once_on_the_page():
-    drawn = plain(FIGURES[0])
+    drawn = specification_of(FIGURES[0])
     narrow = drawn["narrow"]
     assert "data" not in narrow and len(drawn["data"]) == 5
     axes = [f"xaxis{number or ''}" for number in (0, 2, 3, 4, 5)]

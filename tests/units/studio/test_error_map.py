@@ -3,7 +3,8 @@
 import numpy as np
 
 from pipeclamp.studio.error_map import error_map
-from pipeclamp_identification.comparison.breakdown import Condition, Level
+from pipeclamp_identification.comparison.conditions import Condition
+from pipeclamp_identification.signals.levels import Level
 
 RUNS = ("a", "b", "c", "d")
 

@@ -281,6 +281,8 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     assert '<button class="primary" type="button" data-start="add" data-effect="viscous,asymmetry">Add' in page
     assert "pipeclamp add" in page and "viscous,asymmetry" in page and "--as part" in page
     assert "Tests have joined since" not in page
+    assert "the tests hold 4 groups of amplitude and frequency, and a search needs 6" in page
+    assert 'data-start="discover"' not in page and "pipeclamp discover" not in page, "they can't serve one"
     fewer = told.model_copy(update={"runs": 5})
     (home / "law1.told.json").write_text(fewer.json_text(), encoding="utf-8")
     page = studio.ask("/c/virtual/laws/law1")[2].decode()

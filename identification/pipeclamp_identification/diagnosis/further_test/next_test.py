@@ -95,10 +95,9 @@ class Proposal:
         """Say which test it is."""
         further = "".join(f", {_further_words(name, value)}" for name, value in self.further.items())
         where = f" about {self.about_mm:.3g} mm, as the tests so far" if self.about_mm else ""
-        rate = f", {self.frequency_Hz:.3g} Hz" if self.timed else ""
         return (
-            f"{PROFILES[self.profile].words} at {self.amplitude_mm:.3g} mm{where}{rate}, "
-            f"{temperature_words(self.temperature_C)}{further}"
+            f"{PROFILES[self.profile].words} at {self.amplitude_mm:.3g} mm{where}"
+            f"{rate_words(self.frequency_Hz, self.timed)}, {temperature_words(self.temperature_C)}{further}"
         )
 
     def words(self) -> str:
@@ -118,6 +117,11 @@ class Proposal:
 def rivals_words(rivals: Sequence[str]) -> str:
     """Name those that a test tells apart."""
     return " and ".join(rivals) if len(rivals) == 2 else f"any two of {', '.join(rivals)}"
+
+
+def rate_words(frequency_Hz: float, timed: bool) -> str:
+    """Say at which frequency a test is proposed, behind a comma; nothing where the tests' time was not measured."""
+    return f", {frequency_Hz:.3g} Hz" if timed else ""
 
 
 def temperature_words(temperature_C: float | None) -> str:

@@ -11,17 +11,13 @@ from scipy.special import logsumexp
 
 from pipeclamp_identification.campaign.drive import Profile, tones_motion
 from pipeclamp_identification.diagnosis.problem import Judged
-from pipeclamp_identification.diagnosis.run_scatter import directions, of_a_shift
+from pipeclamp_identification.diagnosis.run_scatter import Directions, of_a_shift
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.joint.beforehand import parameter_bounds
 from pipeclamp_identification.fitting.joint.not_fitted import DENIED, OF_THE_LAW
-from pipeclamp_identification.fitting.observations import (
-    SAMPLES_PER_CYCLE,
-    data_scales,
-    harmonic_slopes,
-    real_harmonics_of,
-)
+from pipeclamp_identification.fitting.observations import SAMPLES_PER_CYCLE, data_scales, harmonic_slopes
+from pipeclamp_identification.signals.real_harmonics import elastic_and_damping, real_harmonics_of
 from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import Motion
@@ -184,7 +180,7 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
     shifted = of_a_shift(diagnosis.law.result.law, motion, lambda forces: real_harmonics_of(forces, HARMONICS_FORETOLD))
-    return (of_sensor + noise.scatter.covariance(directions(force, shifted))) / RUNS_OF_A_TEST
+    return (of_sensor + noise.scatter.covariance(Directions(*elastic_and_damping(force), shifted))) / RUNS_OF_A_TEST
 
 
 def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) -> Array:

@@ -11,7 +11,7 @@ from scipy.special import chdtri
 
 from pipeclamp_identification.diagnosis.noise import MOST_SCATTER
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
-from pipeclamp_identification.diagnosis.repeats import stated_conditions
+from pipeclamp_identification.diagnosis.repeats import stated_set_points
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_LEFT_SHARE,
     MATERIAL_NOISE_SHARE,
@@ -19,7 +19,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     RUN_APART_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import fit
-from pipeclamp_identification.fitting.observations import mean_squares_of
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce, force_of_law
 
@@ -84,7 +84,7 @@ def run_apart(judged: Judged, problem: Problem) -> RunApart | None:
     off = float(np.mean(before[own]) / np.mean(loops.force_rms_N[own] ** 2))
     beyond_rigs = off > MOST_SCATTER**2 * chdtri(1, REAL_LACK_CHANCE / len(names))  # in any of so many runs
     most = of_runs[place] > RUN_APART_SHARE * whole and beyond_rigs
-    conditions = stated_conditions(loops, first)
+    conditions = stated_set_points(loops, first)
     alone = any(np.sum(set_points == set_points[place]) < 2 for _, set_points in conditions)
     if not most or alone:
         return None

@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.foretold import (
     share_of_error,
     takes_part,
 )
-from pipeclamp_identification.diagnosis.named import listed
+from pipeclamp_identification.diagnosis.named import joined_by_and
 from pipeclamp_identification.diagnosis.objections import without_essence
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.screen import fits
@@ -106,10 +106,11 @@ def _general_alone(general: Judged, beside: Sequence[Judged], scales: Scales) ->
     if least < scales.tolerance.complete or rivals_of(general, generals, scales.problem):
         return None
     name, names = general.effects[0], _names(beside)
-    leave = (
-        f"{listed(names)} leave{'' if names[1:] else 's'} {least:.2g} times the noise, or more, that scatter can't make"
+    leaves = "leave" if names[1:] else "leaves"
+    reason = (
+        f"{name} leaves scatter alone; {joined_by_and(names)} {leaves} {least:.2g} times the noise, or more, that "
+        "scatter can't make, but may stand behind it in another form"
     )
-    reason = f"{name} leaves scatter alone; {leave}, but may stand behind it in another form"
     return Weighed("missing", (name,), "part", general, None, (reason,))
 
 
@@ -141,7 +142,7 @@ def _one_of(alike: Sequence[Judged], scales: Scales) -> Weighed | None:
     aside = [each for one in alike for each in _generals(one, scales)]
     names = distinct([*names, *(each.effects[0] for each in rivals_of(best, aside, scales.problem))])
     form = _form_left(best, scales)
-    reasons = (f"this data can't tell {listed(names)} apart", *([form] if form else []))
+    reasons = (f"this data can't tell {joined_by_and(names)} apart", *([form] if form else []))
     return Weighed("ambiguous", names, "part" if form else "cause", best, None, reasons)
 
 
@@ -158,7 +159,7 @@ def _no_rival_of(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weigh
     if form := _form_left(best, scales):
         return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, but {form}{told}",))
     if any(each.akaike + RIVAL_LIKELIHOOD < best.akaike for each in generals):
-        but = f"but the fit to all tests clearly prefers {listed(likelier)}, of which it is a special case"
+        but = f"but the fit to all tests clearly prefers {joined_by_and(likelier)}, of which it is a special case"
         return Weighed("missing", (name,), "part", best, None, (f"no rival of {name} comes near, {but}",))
     return Weighed("missing", (name,), "cause", best, None, (f"{name} explains it and no rival comes near{told}",))
 

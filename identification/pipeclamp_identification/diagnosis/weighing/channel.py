@@ -14,8 +14,8 @@ import numpy as np
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import UNEXPLAINED_SHARE
 from pipeclamp_identification.fitting.joint.starts import Linearised
-from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.loops.loops import on_grid
+from pipeclamp_identification.signals.real_harmonics import mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.digits import newtons
 

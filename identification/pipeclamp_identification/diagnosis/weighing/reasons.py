@@ -10,7 +10,7 @@ from pipeclamp_identification.diagnosis.foretold import (
     takes_part,
     worse_between_levels,
 )
-from pipeclamp_identification.diagnosis.named import listed
+from pipeclamp_identification.diagnosis.named import joined_by_and
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import (
     HALF_TAKEN_SHARE,
@@ -48,7 +48,7 @@ def _scatter_words(problem: Problem) -> str:
         shown.append(f"{newtons(noise.scatter.mean_N)} of the mean force")
     if noise.zero_shows:
         shown.append(f"{noise.scatter.zero_mm:.2g} mm of the displacement's zero")
-    return listed(shown)
+    return joined_by_and(shown)
 
 
 def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:

@@ -21,9 +21,14 @@ from pipeclamp_models.law.law import Structure
 class Weighed:
     """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
 
-    `named` is the law with what is named first, by which the leftover is told. `others` are laws with another effect
-    each that takes a part too, and not much the same one. `unstated` is what differs between runs at the same stated
-    conditions; `bent` is a force channel that would explain it all.
+    Attributes:
+        verdict, effects, kind: as of `RecordDiagnosed`.
+        named: the law with what is named first, by which the leftover is told.
+        pair: the law with the best pair of effects, where pairs were tried.
+        reasons: why, in words.
+        others: laws with another effect each that takes a part too, and not much the same one.
+        unstated: what differs between runs at the same stated conditions.
+        bent: a force channel that would explain it all.
     """
 
     verdict: Verdict

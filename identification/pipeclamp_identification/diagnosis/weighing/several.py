@@ -6,7 +6,7 @@ from itertools import combinations
 
 from pipeclamp_identification.diagnosis.candidates import in_place_of, likeliest
 from pipeclamp_identification.diagnosis.foretold import explained_share
-from pipeclamp_identification.diagnosis.named import listed
+from pipeclamp_identification.diagnosis.named import joined_by_and
 from pipeclamp_identification.diagnosis.problem import Judged, judge_each
 from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
@@ -85,4 +85,4 @@ def _as_a_part(found: Weighed, several: Judged, general: str, whole: Judged) -> 
 
 
 def _alike(several: Judged, whole: Judged) -> str:
-    return listed([name for name in several.effects if name not in whole.effects])
+    return joined_by_and([name for name in several.effects if name not in whole.effects])

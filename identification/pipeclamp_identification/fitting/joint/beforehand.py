@@ -86,5 +86,6 @@ def priors_of(equations: Equations, scales: Sizes) -> Priors:
     """Give the priors of a law's parameters, for data of these scales."""
     spreads = spreads_of(equations, scales)
     roots = [1.0 / spreads.get(name, math.inf) for name in equations.names]
-    means = [parameter.neutral or 0.0 for parameter in equations.parameters]
+    neutral = equations.neutral_values
+    means = [neutral.get(name, 0.0) for name in equations.names]
     return Priors(np.array(means), np.array(roots))

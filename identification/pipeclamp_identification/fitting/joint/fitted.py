@@ -67,8 +67,8 @@ class Fit:
     @property
     def from_priors(self) -> Array:
         """How far the fitted parameters lie from the means of their priors, shape (fitted,)."""
-        means = {parameter.name: parameter.neutral or 0.0 for parameter in self.equations.parameters}
-        return np.array([self.law.values[name] - means[name] for name in self.fitted])
+        means = self.equations.neutral_values
+        return np.array([self.law.values[name] - means.get(name, 0.0) for name in self.fitted])
 
     def values_of(self, effects: Collection[str]) -> dict[str, float]:
         """Give the values of the parameters that effects bring, by name; in units of the law."""

@@ -70,8 +70,17 @@ def _turned(mapped: Mapped) -> str:
     return replace(mapped, columns=tuple(turned), questions=()).option()
 
 
-def contradicted(runs: Sequence[NamedRun], column: str, values: Sequence[float]) -> bool:
-    """Tell whether most runs were measured otherwise than the files' names would state, a value a run."""
+def contradicted(runs: Sequence[NamedRun], timed: bool, column: str, values: Sequence[float]) -> bool:
+    """Tell whether most runs were measured otherwise than the files' names would state.
+
+    Args:
+        runs: the runs.
+        timed: whether time was measured; no frequency counts otherwise.
+        column: of runs.csv.
+        values: what the names would state there, of each run.
+    """
+    if column == "frequency_Hz" and not timed:
+        return True
     if column == "temperature_C":
         # what stands above a table may be that of another test: names may contradict it, not the other way round
         shown = [None if run.above else run.planned.row.get(column) for run in runs]

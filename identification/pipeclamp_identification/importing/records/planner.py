@@ -191,7 +191,7 @@ class _Planner:
         refuse_reversed(self._runs)
         options = self._options
         stems = () if options.pattern or options.conditions else [run.own for run in self._runs]
-        guess = guessed_pattern(stems, partial(contradicted, self._runs))
+        guess = guessed_pattern(stems, partial(contradicted, self._runs, options.timed))
         runs, words_above = without_doubtful_temperatures(self._runs, guess)
         for words in (*words_above, *filter(None, [reversed_words(runs)])):
             self.note(words)

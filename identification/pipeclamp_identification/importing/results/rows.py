@@ -130,6 +130,17 @@ def result_rows(
             rows.append(ResultRow(row, set_there, k.real, k.imag))
     taken = (*kept, *used, *further, *(columns[one] for one in SIZES if one in columns))
     headings = {one.channel.heading for one in taken}
+    unused = tuple(one.heading for one in table.channels if one.heading not in headings)
+    return ResultRows(tuple(rows), tuple(left_out), taken, unused, _notes_on(taken, used))
+
+
+def _notes_on(taken: Sequence[ResultColumn], used: Sequence[ResultColumn]) -> tuple[str, ...]:
+    """Say what columns are taken for whose names may mean something else.
+
+    Args:
+        taken: all columns that count.
+        used: those of them that the stiffness comes from.
+    """
     notes = [
         f"{one.channel.heading!r} is {words}"
         for one in taken
@@ -149,8 +160,7 @@ def result_rows(
             f"{heading!r} stands beside a damping coefficient, and is taken for K in F = K x + C v: where it is the "
             f"ratio of the amplitudes, {columns_option([f'dynamic_stiffness={heading}'])}"
         )
-    unused = tuple(one.heading for one in table.channels if one.heading not in headings)
-    return ResultRows(tuple(rows), tuple(left_out), taken, unused, tuple(notes))
+    return tuple(notes)
 
 
 def _proposed_unit(quantity: str, channel: Channel) -> str:
