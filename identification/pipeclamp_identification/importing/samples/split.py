@@ -43,6 +43,10 @@ STANDING = 10.0
 are 7 times as long as those of cycles with 7 times its frequency."""
 AT_REST = 0.1
 """Share of the neighbouring amplitude within which the machine rests."""
+WELL_WITHIN = 0.45
+"""Share of a way from turn to turn, either side of its middle, in which it is moving for certain."""
+WELL_WITHIN_OF_SINE = 2 / np.pi * np.arcsin(2 * WELL_WITHIN)
+"""Share of a sine's half cycle that it is."""
 RESTING = 2.0
 """Cycles without a turn that make a rest."""
 LOOKED_AT = 1_000_000
@@ -149,7 +153,7 @@ def unsteady(y: Array, steady: slice, cycles: int) -> str:
     """
     turns = turns_of(y)
     ranges = np.abs(np.diff(y[turns]))
-    moving = _moving(turns, ranges)
+    moving = _moving(y, turns, ranges)
     used = steady.stop - steady.start
     if used >= MOSTLY_STEADY * moving:
         return ""
@@ -202,7 +206,7 @@ def levels(time: Array, y: Array) -> Cut:
     kept = [(begin, end) for begin, end in kept if not any(_is_ramp(values, begin, end) for values in logarithms)]
     rows = [(begin, end + 2, float(np.median(period[begin:end]))) for begin, end in kept]
     short = _short_levels(turns, ranges, time)
-    enough = MOSTLY_STEADY * _moving(turns, ranges)
+    enough = MOSTLY_STEADY * _moving(y, turns, ranges)
     if _covered(rows, turns) < enough:
         rows = short
     else:
@@ -287,10 +291,20 @@ def _is_ramp(values: Array, begin: int, end: int) -> bool:
     )
 
 
-def _moving(turns: IntArray, ranges: Array) -> int:
-    """Count the samples of half cycles that are no rest."""
+def _moving(y: Array, turns: IntArray, ranges: Array) -> float:
+    """Count the samples of half cycles that are no rest, without those of a rest before or behind one.
+
+    Args:
+        y: displacement in mm, shape (n,).
+        turns: its turns, as places, shape (t,).
+        ranges: from turn to turn, shape (t - 1,).
+    """
     lengths = np.diff(turns)
-    return int(np.sum(lengths[ranges > AT_REST * np.max(ranges)]))
+    half = np.repeat(np.arange(len(lengths)), lengths)
+    beyond = np.abs(y[turns[0] : turns[-1]] - y[turns[:-1]][half])
+    inside = np.bincount(half[np.abs(beyond - ranges[half] / 2) < WELL_WITHIN * ranges[half]], minlength=len(lengths))
+    moving = np.minimum(lengths, inside / WELL_WITHIN_OF_SINE)
+    return float(np.sum(moving[ranges > AT_REST * np.max(ranges)]))
 
 
 def _crossings(time: Array, y: Array, turns: IntArray) -> Array:
