@@ -143,10 +143,11 @@ def turns_of(y: Array) -> IntArray:
     return turning_points(y, np.full(len(y), least))
 
 
-def unsteady(y: Array, steady: slice, cycles: int) -> str:
+def unsteady(time: Array, y: Array, steady: slice, cycles: int) -> str:
     """Say that a run changes along it so far that most of its motion isn't used; "" where it doesn't.
 
     Args:
+        time: s, shape (n,).
         y: displacement in mm, shape (n,).
         steady: samples of it that are used.
         cycles: in these.
@@ -157,12 +158,14 @@ def unsteady(y: Array, steady: slice, cycles: int) -> str:
     used = steady.stop - steady.start
     if used >= MOSTLY_STEADY * moving:
         return ""
-    least, most = np.quantile(ranges[ranges > AT_REST * np.max(ranges)], (0.1, 0.9)) / 2
+    halves = ranges > AT_REST * np.max(ranges)
+    least, most = np.quantile(ranges[halves], (0.1, 0.9)) / 2
+    low, high = np.quantile(0.5 / np.maximum(np.diff(time[turns])[halves], 1e-12), (0.1, 0.9))
     are = "is steady, and alone is used" if cycles == 1 else "are steady, and alone are used"
     return (
-        f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm): {cycles} of some "
-        f"{moving * cycles / used:.0f} cycles {are} (--columns segment=each-cycle makes each a run; where a column "
-        "'motion' of --conditions says free, it stays one motion)"
+        f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm, {low:.3g} to "
+        f"{high:.3g} Hz): {cycles} of some {np.count_nonzero(halves) / 2:.0f} cycles {are} (--columns "
+        "segment=each-cycle makes each a run; where a column 'motion' of --conditions says free, it stays one motion)"
     )
 
 
