@@ -25,6 +25,7 @@ from pipeclamp_identification.workflow.change import (
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
+from pipeclamp_models.base.digits import error_goes
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind, Provenance
@@ -59,9 +60,8 @@ class Rung:
 
     def said(self) -> str:
         """Say what was done, and what the error on left-out conditions did."""
-        before, after = self.change.heldout
         kind = f"{self.kind}, with the next one" if self.with_next else self.kind
-        return f"{self.change.step} ({kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
+        return f"{self.change.step} ({kind}): error on left-out conditions {error_goes(*self.change.heldout)}"
 
 
 @dataclass(frozen=True)
@@ -337,7 +337,7 @@ class Climber:
         better = self.tests.better_structures(file, names, self.workers)
         for structure in [one for one in better if MadeOf.of(one) not in before][:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
-            if helps([change]) and fits_samples(change):
+            if change.heldout.after < change.heldout.before and fits_samples(change):
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"
                 return Rung(change, "revision", (words, *_energy_words(change.after)))
         return None
