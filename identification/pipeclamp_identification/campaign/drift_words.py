@@ -42,10 +42,11 @@ def gain_drift_words(channel: Channel, shown: str, done: Done) -> str:
     kept = "too many to leave out: what is said of physics may be this fault's"
     after = done if done == "left out" else kept
     if channel == "force":
+        runs_in = ", so that a law doesn't know how the device runs in" if done == "left out" else ""
         return (
             f"the force changes within records, stiffness and damping in one ratio: {shown}; the gain of the force "
-            f"channel drifts, or {CHANGES_AS_A_WHOLE}; {after}; to do: calibrate the channel; run the device in until "
-            "its loop stays, and repeat these runs"
+            f"channel drifts, or {CHANGES_AS_A_WHOLE}; {after}{runs_in}; to do: calibrate the channel; run the device "
+            "in until its loop stays, and repeat these runs"
         )
     return (
         f"the gain of the displacement channel drifts: {shown}; the force stays, though it follows the amplitude from "

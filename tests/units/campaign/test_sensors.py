@@ -140,6 +140,7 @@ def test_a_force_that_falls_as_a_whole_is_not_put_down_to_the_amplifier_alone(fa
     campaign = faults_of(lambda share, y, force: (y, force * (1 - 0.1 * share)))
     (fault,) = campaign.faults
     assert "the device softens or stiffens as a whole, as filled rubber does in its first cycles" in fault.words
+    assert "left out, so that a law doesn't know how the device runs in" in fault.words
     assert campaign.remarks.count(fault.words) == 1
     for entry, run in zip(campaign.left_out, fault.runs, strict=True):
         assert f"change by {run.size:+.2%}" in entry.reason
