@@ -111,9 +111,10 @@ def _at_zero(values: Array) -> BoolArray:
     few, others = np.sort(values[small]), np.sort(np.abs(values[~small]))
     if len(few) < 2 or not len(others):
         return np.zeros(len(values), dtype=np.bool_)
-    none_alike = np.mean(np.diff(few) > SAME_SHARE * np.abs(few[1:])) > 0.5
+    mostly_unlike = np.mean(np.diff(few) > SAME_SHARE * np.abs(few[1:])) > 0.5
     repeated = 2 * (1 + np.count_nonzero(np.diff(others) > SAME_SHARE * others[1:])) <= len(others)
-    return small & (bool(few[0] < 0.0 < few[-1]) or bool(none_alike and repeated))
+    scatter = bool(few[0] < 0.0 < few[-1]) or bool(mostly_unlike and repeated)
+    return small if scatter else np.zeros(len(values), dtype=np.bool_)
 
 
 def _classes(counts: Sequence[int]) -> list[IntArray]:
