@@ -65,6 +65,18 @@ def test_an_fmu_of_a_law_without_a_time_says_what_its_damping_follows(pipeclamp,
     assert told in " ".join(done.stderr.split())
 
 
+def test_an_fmu_of_a_law_that_follows_a_column_says_at_which_value_it_stands(pipeclamp, small, tmp_path):
+    """It had stood at the middle of the tests, without a word."""
+    folder, path = tmp_path / "coil", tmp_path / "law.json"
+    shutil.copytree(small, folder)
+    runs = pl.read_csv(folder / "runs.csv")
+    runs.with_columns(pl.Series("current_A", np.resize([0.0, 1.0, 2.0], len(runs)))).write_csv(folder / "runs.csv")
+    pipeclamp("identify", folder, "-o", path, "--effects", "condition:current_A")
+    done = pipeclamp("build-fmu", path, "-o", tmp_path / "a.fmu")
+    told = "parameters of the FMU: condition.current_A is 1 until it is set (the law's tests: 0 to 2)"
+    assert told in " ".join(done.stderr.split())
+
+
 def test_a_law_says_what_was_held_by_wish_and_what_was_fitted(pipeclamp, small, tmp_path):
     path = tmp_path / "law.json"
     pipeclamp("identify", small, "-o", path, "--base", "memory", "--freeze", "c_A=0.1")

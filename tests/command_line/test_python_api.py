@@ -130,6 +130,11 @@ def test_text_is_asked_for_as_text(law, tests, tmp_path):
         pc.import_files(tmp_path, tmp_path / "c", columns=5)
 
 
+def test_a_law_made_of_a_name_says_what_reads_it():
+    with pytest.raises(pc.UserError, match=r"Law: got 'law\.json'; expected .* open_law reads it"):
+        pc.Law("law.json")
+
+
 def test_no_campaign_is_written_in_a_format_that_isnt_read(law, tmp_path):
     with pytest.raises(pc.UserError, match=r"format: got .xls.; expected csv, csv\.gz, parquet"):
         pc.rig(law, tmp_path / "c", amplitudes=[0.5], frequencies=[3], temperatures=[20], format="xls")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pipeclamp_fmu.contents.behind import Behind
 from pipeclamp_fmu.contents.passivity import Interval
 from pipeclamp_fmu.describe.variables import DataRange
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.equations.symbols import REFERENCES, T_0
 from pipeclamp_models.law.file import FitQuality, HistoryStep
 from pipeclamp_models.realise.scalar_law import ScalarLaw, loaded
@@ -43,6 +44,12 @@ class FurtherCondition:
     positive: bool
     start: float
     counted: bool = False
+
+    def words(self) -> str:
+        """Say at which value it stands until it is set, and what the law's tests hold, in the FMU's unit."""
+        low, high = (plain(end / self.scale, 3) for end in self.interval)
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return f"{self.name} is {plain(self.start, 3)}{unit} until it is set (the law's tests: {low} to {high})"
 
 
 @dataclass(frozen=True)

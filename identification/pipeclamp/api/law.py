@@ -13,6 +13,7 @@ import numpy.typing as npt
 from pipeclamp.api.shown import PathOrName, file_of, html_table, path_of
 from pipeclamp.show.law import coefficient_table, doubts, fit_words, vain_words
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law import bundled
 from pipeclamp_models.law.file import LawFile, write_law
 from pipeclamp_models.law.range import beyond_tests
@@ -33,7 +34,13 @@ class Law:
     """
 
     def __init__(self, file: LawFile, origin: str | None = None, *, steps: int = 1) -> None:
-        """Hold a file, from an origin; so many of the last steps of its history were taken at once."""
+        """Hold a file, from an origin; so many of the last steps of its history were taken at once.
+
+        Raises:
+            UserError: it is not what a parameter file says, as a file's name.
+        """
+        if not isinstance(file, LawFile):
+            raise UserError(f"Law: got {file!r}; expected what a law's file says: open_law reads it of a file's name")
         self.file = file
         self._steps = steps
         self.origin = origin or f"{file.name}.json"

@@ -142,7 +142,8 @@ def build_fmu(
     with showing_progress("build-fmu"):
         file = opened_law(law)
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
-        held = passivity(clamp_model(file, start), file).words()
+        clamp = clamp_model(file, start)
+        held = passivity(clamp, file).words()
     if not file.data.is_timed:
         note(
             f"no time was measured in the tests of law {file.name}: its forces are those of cycles of one second, and "
@@ -152,6 +153,8 @@ def build_fmu(
         note(
             f"the tests of law {file.name} moved about {about:.3g} mm, and the FMU's displacement counts as theirs did"
         )
+    if clamp.further:
+        note(f"parameters of the FMU: {'; '.join(condition.words() for condition in clamp.further)}")
     if words := of_rig_words(file):
         note(words)
     put(f"law {file.name} {held}")

@@ -67,9 +67,14 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
         "takes of missing / %",
         "speaks against it",
     )
+    best_first = (
+        "the law with each effect, best first by the squared error on left-out tests in units of the noise"
+        if judged
+        else "no effect of the catalogue helps the law"
+    )
     caption = (
-        "the law with each effect, best first by the squared error on left-out tests in units of the noise; the errors "
-        "are estimates from one fit to all tests: --auto refits without the left-out ones, and gives other numbers"
+        f"{best_first}; the errors are estimates from one fit to all tests: --auto refits without the left-out ones, "
+        "and gives other numbers"
     )
     return Table(header, rows, f"{caption}; no help: {', '.join(idle)}" if idle else caption)
 

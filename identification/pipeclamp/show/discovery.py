@@ -10,7 +10,7 @@ from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
 from pipeclamp_identification.discovery.shapes import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
-from pipeclamp_models.base.digits import one_digit
+from pipeclamp_models.base.digits import error_goes, one_digit
 from pipeclamp_models.base.units import unit_shown
 
 RIVALS_SHOWN = 5
@@ -85,9 +85,8 @@ def _instead_words(proposal: TermProposal) -> list[str]:
 def _error_words(proposal: TermProposal) -> str:
     """Say what the error on left-out conditions does."""
     assert proposal.heldout is not None  # something is proposed
-    before, after = proposal.heldout
     scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""
-    return f"RMS error on left-out conditions {before:.2%} -> {after:.2%} of RMS force{scatter}."
+    return f"RMS error on left-out conditions {error_goes(*proposal.heldout)} of RMS force{scatter}."
 
 
 def _what_tells(found: TermFound) -> str:

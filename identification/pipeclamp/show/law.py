@@ -13,7 +13,7 @@ from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD
 from pipeclamp_identification.fitting.groups_answer import LEFT_OUT_BESIDE, per_group_words
 from pipeclamp_identification.signals.levels import VARIED_SHARE
 from pipeclamp_identification.workflow.change import LawChange
-from pipeclamp_models.base.digits import one_digit, plain, with_error
+from pipeclamp_models.base.digits import error_goes, one_digit, plain, with_error
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.base.units import CELSIUS, unit_shown
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, HistoryStep, LawFile, structure_of
@@ -237,7 +237,7 @@ def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
         return (
             f"Left-out conditions can't tell whether {names} helps: these tests have so few settings that, without "
             "one of them, the others hardly show what each condition does. The error on left-out conditions goes "
-            f"{without:.2%} -> {having:.2%}, that on the runs used {before:.2%} -> {after:.2%}; test at more levels of "
+            f"{error_goes(without, having)}, that on the runs used {error_goes(before, after)}; test at more levels of "
             "what varies"
         )
     said, did = "The error", "doesn't fall"
@@ -245,7 +245,7 @@ def vain_words(history: Sequence[HistoryStep], steps: int = 1) -> str:
         said, did = "The law got worse: the error", "rises"
     gone = "it" if steps == 1 else "them"
     return (
-        f"{said} on left-out conditions {did} with {names} ({without:.2%} -> {having:.2%}); keep the law without {gone}"
+        f"{said} on left-out conditions {did} with {names} ({error_goes(without, having)}); keep the law without {gone}"
     )
 
 

@@ -40,7 +40,8 @@ class SensorFault(AnswerModel):
     channel: Channel
     fault: FaultKind = Field(
         description="clipped: it stands at the end of its range; stuck: it stands still while the other goes on; dead: "
-        "it doesn't follow the motion; zero_drift, gain_drift: its zero or its gain moves"
+        "it doesn't follow the motion; zero_drift, gain_drift: its zero or its gain moves (of the force, or the "
+        "device changes as a whole)"
     )
     over: Literal["record", "campaign"] = Field(description="whether it shows inside records, or from run to run")
     size: float | None = Field(description="of the largest, in `unit`: clipped at; drift from first to last")

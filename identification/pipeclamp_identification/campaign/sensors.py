@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.clipping import CHANNEL_UNITS, at_common_end
+from pipeclamp_identification.campaign.drift_words import gain_drift_in_run_words
 from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired, without
 from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, shifts_over_runs
 from pipeclamp_identification.campaign.faults import (
@@ -130,10 +131,17 @@ def sensors_of(runs: Sequence[Observed], free: Mapping[str, SeenFree] | None = N
 def _failures_of(drifts: Sequence[SensorFault]) -> dict[str, SensorFailure]:
     """Give why runs are left out for a drift, by name."""
     return {
-        run.run: SensorFailure(fault.words, fault.channel, fault.fault, run.size, fault.unit)
+        run.run: SensorFailure(
+            gain_drift_in_run_words(fault.channel, run.size, run.standard_error),
+            fault.channel,
+            fault.fault,
+            run.size,
+            fault.unit,
+        )
         for fault in drifts
         if fault.done == "left out"
         for run in fault.runs
+        if run.size is not None and run.standard_error is not None
     }
 
 

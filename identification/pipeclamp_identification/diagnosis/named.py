@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.signals.levels import known_levels, varies
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import error_goes
 from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LawFile, NamedKind, Verdict
@@ -176,8 +177,8 @@ def no_help(tried: InVain) -> str:
     """Say that an effect was tried, and what the error did."""
     without, having = tried.refitted_nrmse
     if having < without:  # by less than is worth an effect
-        return f"{tried.effect} went, for the law did as well without it ({having:.2%} -> {without:.2%})"
+        return f"{tried.effect} went, for the law did as well without it ({error_goes(having, without)})"
     return (
         f"{tried.effect} was tried and not added: the error on left-out conditions didn't fall "
-        f"({without:.2%} -> {having:.2%})"
+        f"({error_goes(without, having)})"
     )

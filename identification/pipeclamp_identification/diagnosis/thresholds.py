@@ -34,6 +34,9 @@ conditions: any effect takes some of a wrong form."""
 MATERIAL_PART_SHARE = 0.05
 """A part that is worth a rung takes this share of the mean-square lack of fit: the error beyond scatter falls by a
 fortieth."""
+TAKEN_SHARE = MATERIAL_PART_SHARE / 5
+"""Nothing is gained by an effect that, refitted, takes less than this share of the mean square beyond scatter on
+left-out conditions: it may be another form of what the law has, with parameters that nothing determines."""
 PROMISED_SHARE = 0.5
 """A rung takes much less than was estimated where it is less than this share, by refits without what was left out."""
 SAME_ERROR_SHARE = 0.02

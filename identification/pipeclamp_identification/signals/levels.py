@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array, IntArray
+from pipeclamp_models.base.arrays import Array, BoolArray, IntArray
 
 MOST_SET_POINTS = 10
 """More set points than this are shown as classes."""
@@ -20,6 +20,9 @@ SAME_SHARE, SAME_KELVIN = 0.05, 5.0
 """Conditions closer than this share of each other, and temperatures closer than this, count as the same where tests are
 counted or grouped by them: drives never hit their set points."""
 
+ABOUT_ZERO = 0.002
+"""Share of the largest value within which measured ones may scatter about a set point of zero, of which no share of
+their own means anything: a coil without current shows -0.1 and 0.2 mA beside 3000."""
 SET_POINT_WIDTH = 0.02
 """Share of the step within which values are at one set point, to which it is told: 0.1 °C of 5, no -0.076."""
 
@@ -62,11 +65,14 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
     order = known[np.argsort(values[known], kind="stable")]
     rising = values[order]
     step = np.full(len(rising), absolute)
+    zero = np.zeros(len(rising), dtype=np.bool_)
     if relative is not None:
         step = np.minimum(step, relative * np.abs(rising))
+        zero = _at_zero(rising)
+        step[zero] = np.ptp(rising[zero]) if np.any(zero) else 0.0
     groups = np.split(np.arange(len(order)), np.flatnonzero(np.diff(rising) > step[1:]) + 1) if len(order) else []
     wide = any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups)
-    points = np.array([np.mean(rising[group]) for group in groups])
+    points = np.array([0.0 if np.all(zero[group]) else np.mean(rising[group]) for group in groups])
     if not wide and len(groups) > MOST_SET_POINTS:
         classes = _classes([len(group) for group in groups])
         ends = points[[place for one in classes for place in (one[0], one[-1])]]
@@ -91,6 +97,24 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         texts = distinct_texts(_rounded(points, told))
         found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
+
+
+def _at_zero(values: Array) -> BoolArray:
+    """Tell which values scatter about a set point of zero: of either sign, or mostly unlike beside others that repeat.
+
+    Small ones that repeat, as the low end of a row of decades does, are set points of their own.
+
+    Args:
+        values: all known, shape (n,).
+    """
+    small = np.abs(values) <= ABOUT_ZERO * np.max(np.abs(values), initial=0.0)
+    few, others = np.sort(values[small]), np.sort(np.abs(values[~small]))
+    if len(few) < 2 or not len(others):
+        return np.zeros(len(values), dtype=np.bool_)
+    mostly_unlike = np.mean(np.diff(few) > SAME_SHARE * np.abs(few[1:])) > 0.5
+    repeated = 2 * (1 + np.count_nonzero(np.diff(others) > SAME_SHARE * others[1:])) <= len(others)
+    scatter = bool(few[0] < 0.0 < few[-1]) or bool(mostly_unlike and repeated)
+    return small if scatter else np.zeros(len(values), dtype=np.bool_)
 
 
 def _classes(counts: Sequence[int]) -> list[IntArray]:
@@ -120,9 +144,13 @@ def set_points(values: Array, absolute: float = np.inf) -> IntArray:
         absolute: by how much those of one set point differ at most, where they don't by `SAME_SHARE`.
     """
     numbers = np.arange(len(values), dtype=np.intp)
+    zero = np.zeros(len(values), dtype=np.bool_)
+    known = np.isfinite(values)
+    zero[known] = _at_zero(values[known])
     for level in number_levels(values, relative=SAME_SHARE, absolute=absolute):
         reach = np.ptp(values[level.rows]) if level.known else 0.0
-        if reach <= min(absolute, SAME_SHARE * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf):
+        share = SAME_SHARE * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf
+        if reach <= min(absolute, share) or np.all(zero[level.rows]):
             numbers[level.rows] = level.rows[0]
     return numbers
 

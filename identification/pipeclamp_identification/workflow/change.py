@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.diagnosis.named import parts_of
-from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD
+from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD, TAKEN_SHARE
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -97,8 +97,8 @@ def add_effects(
 
 
 def helps(steps: Sequence[LawChange]) -> bool:
-    """Tell whether the last of these steps ends with a smaller error on left-out conditions than the first begins."""
-    return steps[-1].heldout.after < steps[0].heldout.before
+    """Tell whether these steps lower the error on left-out conditions, and by more than nothing."""
+    return steps[-1].heldout.after < steps[0].heldout.before and takes(steps, TAKEN_SHARE)
 
 
 def takes(steps: Sequence[LawChange], share: float) -> bool:

@@ -25,6 +25,7 @@ from pipeclamp_identification.workflow.change import (
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
+from pipeclamp_models.base.digits import error_goes
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile, NamedKind, Provenance
@@ -47,6 +48,7 @@ class Rung:
         words: what to mind of it.
         rivals: what might as well have been added in its place, best first.
         next_test: the test that would tell these apart, or why there is none, in words; "" where there are none.
+        with_next: whether it was named together with what the next rungs add, without which it needn't help.
     """
 
     change: LawChange
@@ -54,11 +56,12 @@ class Rung:
     words: tuple[str, ...]
     rivals: tuple[str, ...] = ()
     next_test: str = ""
+    with_next: bool = False
 
     def said(self) -> str:
         """Say what was done, and what the error on left-out conditions did."""
-        before, after = self.change.heldout
-        return f"{self.change.step} ({self.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
+        kind = f"{self.kind}, with the next one" if self.with_next else self.kind
+        return f"{self.change.step} ({kind}): error on left-out conditions {error_goes(*self.change.heldout)}"
 
 
 @dataclass(frozen=True)
@@ -334,7 +337,7 @@ class Climber:
         better = self.tests.better_structures(file, names, self.workers)
         for structure in [one for one in better if MadeOf.of(one) not in before][:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
-            if helps([change]) and fits_samples(change):
+            if change.heldout.after < change.heldout.before and fits_samples(change):
                 words = f"{change.step}: the error on left-out conditions falls beyond doubt"
                 return Rung(change, "revision", (words, *_energy_words(change.after)))
         return None
@@ -390,8 +393,8 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]
     proof = () if kind == "cause" or NO_PROOF in found.cautions() else (NO_PROOF,)  # one of several causes is a part
     needed = f"{first.step.effect} needs it beside it"
     return [
-        Rung(first, kind, (*before_it, *alike, *found.cautions(), *proof), others, "".join(alike[1:])),
-        *(Rung(step, kind, (needed,)) for step in beside),
+        Rung(first, kind, (*before_it, *alike, *found.cautions(), *proof), others, "".join(alike[1:]), bool(beside)),
+        *(Rung(step, kind, (needed,), with_next=step is not last) for step in beside),
     ]
 
 

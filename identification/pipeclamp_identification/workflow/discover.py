@@ -14,6 +14,7 @@ from pipeclamp_identification.fitting.identify import software
 from pipeclamp_identification.workflow.change import LawChange, add_effect, stays_as_good, takes, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
+from pipeclamp_models.base.digits import error_goes
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.catalogue import symbols_taken
@@ -159,7 +160,7 @@ def _on_all_tests(added: LawChange, *, beside: bool) -> Guard:
     What stands in the place of effects may do as well as these with fewer parameters, as a law that loses a spare one.
     """
     before, after = added.heldout
-    words = f"on left-out conditions of all tests {before:.2%} -> {after:.2%}"
+    words = f"on left-out conditions of all tests {error_goes(before, after)}"
     falls, material = after < before, not beside or takes([added], MATERIAL_PART_SHARE)
     shorter = len(added.after.coefficients) < len(added.before.coefficients)
     if not beside and not falls and shorter and stays_as_good(added):

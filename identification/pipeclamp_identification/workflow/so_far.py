@@ -7,6 +7,7 @@ from collections.abc import Callable
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
+from pipeclamp_models.base.digits import error_goes
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.file import LawFile
 
@@ -65,4 +66,5 @@ def _error(law: tuple[LawFile, tuple[Rung, ...]]) -> float:
 
 
 def _fall(ladder: tuple[Rung, ...]) -> str:
-    return f"{ladder[0].change.heldout.before:.2%} -> {ladder[-1].change.heldout.after:.2%} on left-out conditions"
+    errors = error_goes(ladder[0].change.heldout.before, ladder[-1].change.heldout.after)
+    return f"{errors} on left-out conditions"

@@ -53,3 +53,16 @@ def told_apart(*shares: float) -> tuple[str, ...]:
     """
     shown = [tuple(f"{share:.{places}%}" for share in shares) for places in range(3)]
     return next((each for each in shown if len(set(each)) == len(shares)), shown[0])
+
+
+def error_goes(before: float, after: float) -> str:
+    """Give two errors, shares, in percent: in hundredths, or in as small parts as show where they differ.
+
+    >>> error_goes(0.7069, 0.0110)
+    '70.69% -> 1.10%'
+    >>> error_goes(0.001043, 0.000982)
+    '0.104% -> 0.098%'
+    """
+    shown = [(f"{before:.{places}%}", f"{after:.{places}%}") for places in range(2, 6)]
+    two = next((each for each in shown if each[0] != each[1]), shown[0])
+    return " -> ".join(two)

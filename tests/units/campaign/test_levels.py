@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from pipeclamp_identification.signals.levels import CLASSES_OF_MANY, name_levels, number_levels
+from pipeclamp_identification.signals.levels import CLASSES_OF_MANY, name_levels, number_levels, set_points
 
 
 def labels(levels):
@@ -37,6 +38,27 @@ def test_values_without_set_points_make_classes():
 
 def test_set_points_that_lie_close_keep_the_digits_that_tell_them_apart():
     assert labels(number_levels(np.array([2.286, 2.31, 2.4]), relative=0.06, absolute=0.002)) == ["2.29", "2.31", "2.4"]
+
+
+@pytest.mark.parametrize(
+    ("small", "others", "levels"),
+    [
+        # a coil without current, measured: each run had been a level of its own
+        ([-0.032, -0.048, 0.171, -0.029, 0.103, 0.007, -0.133, -0.077, 0.276], [1000.0, 2000.0, 3000.0], 4),
+        ([0.31, 0.42, 0.33, 0.65], [1000.0, 2000.0], 3),
+        # decades of a frequency, each tested several times or once
+        ([0.01, 0.01, 0.03, 0.03], [0.1, 1.0, 10.0, 100.0], 6),
+        ([0.01, 0.03, 0.1], None, 6),
+    ],
+)
+def test_values_about_zero_are_one_level(small, others, levels):
+    values = np.array([*small, *(np.repeat(others, 3) if others else [1.0, 10.0, 100.0])])
+    found = number_levels(values, relative=0.05)
+    assert len(found) == levels
+    assert len(np.unique(set_points(values))) == levels
+    if levels < 6:
+        assert found[0].label == "0"
+        assert len(found[0].rows) == len(small)
 
 
 def test_what_is_not_known_comes_last():

@@ -135,6 +135,19 @@ def test_a_failing_gain_of_force_is_told_and_its_runs_are_left_out(faults_of):
     assert [entry.run for entry in campaign.left_out] == [run.run for run in fault.runs]
 
 
+def test_a_force_that_falls_as_a_whole_is_not_put_down_to_the_amplifier_alone(faults_of):
+    """Filled rubber softens so in its first cycles; each run tells its own size, and what it may be is said once."""
+    campaign = faults_of(lambda share, y, force: (y, force * (1 - 0.1 * share)))
+    (fault,) = campaign.faults
+    assert "the device softens or stiffens as a whole, as filled rubber does in its first cycles" in fault.words
+    assert "left out, so that a law doesn't know how the device runs in" in fault.words
+    assert campaign.remarks.count(fault.words) == 1
+    for entry, run in zip(campaign.left_out, fault.runs, strict=True):
+        assert f"change by {run.size:+.2%}" in entry.reason
+        assert "the device changes as a whole" in entry.reason
+        assert "to do" not in entry.reason
+
+
 @pytest.mark.parametrize("part", ["stiffness", "damping"])
 def test_stiffness_or_damping_that_changes_alone_is_no_gain(faults_of, part):
     def changed(share, y, force):

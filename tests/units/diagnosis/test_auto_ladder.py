@@ -116,6 +116,18 @@ def test_where_none_of_several_helps_the_best_was_tried_in_vain(monkeypatch):
     assert [(one.effect, one.refitted_nrmse) for one in kept] == [("bouc_wen", (0.10, 0.18)), ("play", (0.10, 0.12))]
 
 
+@pytest.mark.parametrize(("after", "added"), [(0.09999, False), (0.0998, False), (0.0994, True)])
+def test_what_takes_nothing_is_not_added(after, added, monkeypatch):
+    """The error had fallen from 0.09795 to 0.09792 %, by a gas spring whose parameters nothing determined."""
+    monkeypatch.setitem(HELD_OUT, "play", after)
+    answers = {(): found("missing", "part", "play"), ("play",): found("complete")}
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert bool(settled.ladder) is added
+    if not added:
+        (reason,) = settled.found.reasons
+        assert reason.startswith("play went, for the law did as well without it")
+
+
 def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatch):
     """As where nothing is named: the law may stand on the wrong base, or have an effect that stands for another."""
     answers = {(): found("missing", "part", "play"), ("memory:2",): found("complete")}

@@ -257,6 +257,8 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     assert added == [(f"+ {name}", "part") for name in found.together]
     assert second.change.heldout.after < 0.7 * first.change.heldout.before
     assert f"{found.together[0]} needs it beside it" in second.words
+    # by itself the first may have done harm
+    assert [", with the next one)" in rung.said() for rung in (first, second)] == [True, False]
 
 
 def test_what_no_rig_scatters_is_not_called_complete(campaign):

@@ -17,7 +17,7 @@ from pipeclamp_identification.importing.conditions import Pattern, guessed_patte
 from pipeclamp_identification.importing.records import taking
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.repair import evened, without_spikes
-from pipeclamp_identification.importing.samples.split import irregular, split
+from pipeclamp_identification.importing.samples.split import irregular, split, unsteady
 from pipeclamp_models.base.errors import UsageError, UserError
 
 
@@ -170,6 +170,23 @@ def test_a_run_that_changes_all_along_says_how_little_of_it_is_used(tmp_path):
     (tmp_path / "grows.csv").write_text(text(Loop("grows", 0.5, 2.0, 20.0, time, y, 300 * y)))
     (run,) = pc.import_files([tmp_path / "grows.csv"], tmp_path / "c").to_dict()["runs"]
     assert any("1 of some 12 cycles is steady, and alone is used" in words for words in run["done"])
+
+
+def test_a_rest_beside_the_cycles_is_no_change_along_a_run():
+    """Five cycles between ramps of one and rests as long as five: most of what moves is steady."""
+    at = np.arange(0.0, 17.0, 0.02)
+    ramp = np.clip(np.minimum(at - 5.0, 12.0 - at), 0.0, 1.0)
+    y = np.sin(np.pi / 2 * ramp) ** 2 * np.sin(2 * np.pi * at) + np.random.default_rng(2).normal(0.0, 1e-3, len(at))
+    assert unsteady(at, y, slice(300, 550), 5) == ""
+    assert "1 of some 8 cycles is steady" in unsteady(at, y, slice(300, 350), 1)
+
+
+def test_a_sweep_says_its_frequencies_and_how_many_cycles_it_has():
+    """From 1 Hz on, e times in 20 s, for 60 s: 382 cycles, a tenth of them below 2.9, another above 18.2 Hz."""
+    at = np.arange(0.0, 60.0, 1e-4)
+    y = 2.0 * np.sin(2 * np.pi * 20.0 * np.expm1(at / 20.0))
+    said = unsteady(at, y, slice(200000, 202000), 6)
+    assert "2 to 2 mm, 2.91 to 18.2 Hz): 6 of some 382 cycles are steady" in said
 
 
 def test_time_that_begins_anew_and_gaps_part_runs():

@@ -191,7 +191,7 @@ def _usable(record: Record, timed: bool) -> tuple[Record, SeenRecord, tuple[str,
         words = (cut,)
         cycles = find_cycles(record)
         check_clipping(record, cycles)
-    if change := unsteady(record.displacement_mm, cycles.steady, cycles.count):
+    if change := unsteady(record.time_s, record.displacement_mm, cycles.steady, cycles.count):
         if disorder := irregular(record.displacement_mm):
             return _free(record, disorder)
         words = (*words, change)

@@ -61,7 +61,7 @@ def _frequency_of(record: Record) -> float | None:
         cycles = find_cycles(record)
     except UnusableRecord:
         return None
-    return None if unsteady(record.displacement_mm, cycles.steady, cycles.count) else cycles.frequency_Hz
+    return None if unsteady(record.time_s, record.displacement_mm, cycles.steady, cycles.count) else cycles.frequency_Hz
 
 
 def _drift_beside(time: Array, moved: Array, frequency: float) -> Array:

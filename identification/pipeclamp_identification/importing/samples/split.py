@@ -43,6 +43,10 @@ STANDING = 10.0
 are 7 times as long as those of cycles with 7 times its frequency."""
 AT_REST = 0.1
 """Share of the neighbouring amplitude within which the machine rests."""
+WELL_WITHIN = 0.45
+"""Share of a way from turn to turn, either side of its middle, in which it is moving for certain."""
+WELL_WITHIN_OF_SINE = 2 / np.pi * np.arcsin(2 * WELL_WITHIN)
+"""Share of a sine's half cycle that it is."""
 RESTING = 2.0
 """Cycles without a turn that make a rest."""
 LOOKED_AT = 1_000_000
@@ -139,26 +143,29 @@ def turns_of(y: Array) -> IntArray:
     return turning_points(y, np.full(len(y), least))
 
 
-def unsteady(y: Array, steady: slice, cycles: int) -> str:
+def unsteady(time: Array, y: Array, steady: slice, cycles: int) -> str:
     """Say that a run changes along it so far that most of its motion isn't used; "" where it doesn't.
 
     Args:
+        time: s, shape (n,).
         y: displacement in mm, shape (n,).
         steady: samples of it that are used.
         cycles: in these.
     """
     turns = turns_of(y)
     ranges = np.abs(np.diff(y[turns]))
-    moving = _moving(turns, ranges)
+    moving = _moving(y, turns, ranges)
     used = steady.stop - steady.start
     if used >= MOSTLY_STEADY * moving:
         return ""
-    least, most = np.quantile(ranges[ranges > AT_REST * np.max(ranges)], (0.1, 0.9)) / 2
+    halves = ranges > AT_REST * np.max(ranges)
+    least, most = np.quantile(ranges[halves], (0.1, 0.9)) / 2
+    low, high = np.quantile(0.5 / np.maximum(np.diff(time[turns])[halves], 1e-12), (0.1, 0.9))
     are = "is steady, and alone is used" if cycles == 1 else "are steady, and alone are used"
     return (
-        f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm): {cycles} of some "
-        f"{moving * cycles / used:.0f} cycles {are} (--columns segment=each-cycle makes each a run; where a column "
-        "'motion' of --conditions says free, it stays one motion)"
+        f"amplitude or frequency changes along it (half cycles of {least:.3g} to {most:.3g} mm, {low:.3g} to "
+        f"{high:.3g} Hz): {cycles} of some {np.count_nonzero(halves) / 2:.0f} cycles {are} (--columns "
+        "segment=each-cycle makes each a run; where a column 'motion' of --conditions says free, it stays one motion)"
     )
 
 
@@ -202,7 +209,7 @@ def levels(time: Array, y: Array) -> Cut:
     kept = [(begin, end) for begin, end in kept if not any(_is_ramp(values, begin, end) for values in logarithms)]
     rows = [(begin, end + 2, float(np.median(period[begin:end]))) for begin, end in kept]
     short = _short_levels(turns, ranges, time)
-    enough = MOSTLY_STEADY * _moving(turns, ranges)
+    enough = MOSTLY_STEADY * _moving(y, turns, ranges)
     if _covered(rows, turns) < enough:
         rows = short
     else:
@@ -287,10 +294,20 @@ def _is_ramp(values: Array, begin: int, end: int) -> bool:
     )
 
 
-def _moving(turns: IntArray, ranges: Array) -> int:
-    """Count the samples of half cycles that are no rest."""
+def _moving(y: Array, turns: IntArray, ranges: Array) -> float:
+    """Count the samples of half cycles that are no rest, without those of a rest before or behind one.
+
+    Args:
+        y: displacement in mm, shape (n,).
+        turns: its turns, as places, shape (t,).
+        ranges: from turn to turn, shape (t - 1,).
+    """
     lengths = np.diff(turns)
-    return int(np.sum(lengths[ranges > AT_REST * np.max(ranges)]))
+    half = np.repeat(np.arange(len(lengths)), lengths)
+    beyond = np.abs(y[turns[0] : turns[-1]] - y[turns[:-1]][half])
+    inside = np.bincount(half[np.abs(beyond - ranges[half] / 2) < WELL_WITHIN * ranges[half]], minlength=len(lengths))
+    moving = np.minimum(lengths, inside / WELL_WITHIN_OF_SINE)
+    return float(np.sum(moving[ranges > AT_REST * np.max(ranges)]))
 
 
 def _crossings(time: Array, y: Array, turns: IntArray) -> Array:
