@@ -56,5 +56,5 @@ def climbed(
             raise
         print_next(shell_line("diagnose", str(output), str(campaign), "--auto", str(output)))
         raise InterruptError(
-            f"{output} holds the law so far, with {', '.join(law.effects)}: {so_far.words()}"
+            f"{output} holds the law so far, with {', '.join(law.effects) or 'no effects'}: {so_far.words()}"
         ) from stop
