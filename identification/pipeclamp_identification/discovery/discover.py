@@ -208,7 +208,8 @@ def leaves_scatter_with_one(found: RecordDiagnosed) -> bool:
 
 def terms_asked(problem: Problem) -> list[Term]:
     """Give the terms of the grammar that tests may ask: none of speed or time where no time was measured."""
-    every = terms(*_varied(problem), about(problem.observations.motion))
+    motion, varied = problem.observations.motion, _varied(problem)
+    every = terms(*varied, about(motion), span_K=float(np.ptp(motion.slow["T"])) if "T" in varied[0] else 0.0)
     return [term for term in every if problem.loops.time_measured or not term.effect.is_of_time]
 
 

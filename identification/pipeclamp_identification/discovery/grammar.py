@@ -75,13 +75,16 @@ class Term:
         return effect_of(self.declaration)
 
 
-def terms(varied: Sequence[str], conditions: Mapping[str, float], about: float = 0.0) -> Iterator[Term]:
+def terms(
+    varied: Sequence[str], conditions: Mapping[str, float], about: float = 0.0, span_K: float = 200.0
+) -> Iterator[Term]:
     """Give every term.
 
     Args:
         varied: of A, f, T and N those that vary over the tests.
         conditions: further columns that vary, with the largest magnitude of each.
         about: mm, where tests move that are far from zero: there their displacements begin to count.
+        span_K: K, by which temperatures of the tests differ, where T varies.
     """
     scales = [None, *(one for name, one in SCALED.items() if name in varied)]
     scales += [scale for name, size in conditions.items() for scale in scales_of(name, size)]
@@ -94,7 +97,7 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float], about: float =
         if 1 + len(shape.parameters) + (scale is not None) <= MOST_PARAMETERS:
             yield _force_term(family, shape, scale, about)
     if "T" in varied:
-        for family, shape in moved_by_temperature():
+        for family, shape in moved_by_temperature(span_K):
             yield _force_term(family, shape, None, about)
     signals = [*(name for name in FOLLOWED if name in varied), *conditions]
     for role, signal in itertools.product(ROLES, signals):

@@ -200,12 +200,14 @@ TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxe
         "upper": "100 / f_lowest", "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))}  # fmt: skip
 CREEPS = (0.005, 0.05, 0.5)
 """Shares of a typical cycle in which an element that creeps is relaxed from a typical strain, where fits begin."""
+SNAPS_WITHIN = 1 / 6
+"""Share of the tests' temperatures within which a stop goes from one place to another."""
 LEAST_LIMIT = 0.001
 """Where nothing holds, an element yields within this share of its way."""
 
 
 def elements() -> Iterator[Shape]:
-    """Give elements with one state: they slip, or creep, and give back no more than they store."""
+    """Give elements with one state, or none: they slip, creep or level off, and give back no more than they store."""
     way: Entry = {"symbol": "w_x", "unit": "mm", "meaning": "way by which it is strained", "lower": "0.001 * A_typical",
            "upper": "3 * A_highest", "start": ("0.1 * A_typical", "0.5 * A_typical")}  # fmt: skip
     trial = "z_x + (y - y_previous) / w_x"
@@ -258,25 +260,52 @@ def elements() -> Iterator[Shape]:
         (TIME, {**_length("strain at which it creeps twice as fast", 0.05, 0.2), "symbol": "q_x"}),
         state(f"({strained}) / (1 + h / t_x * {eased})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
     )  # fmt: skip
+    # at rest it is a spring, which gives back what it took; it rises with v, so that what v adds acts against v
+    shifted = f"(v / v_x + r_x * {SIGN_Y})"
+    yield Shape(
+        "shifted_damping", f"{shifted} / sqrt(1 + {shifted} * {shifted})",
+        "damping that levels off with velocity, larger on the way out than on the way back",
+        (_velocity("velocity by which it changes", 0.3, 2.0),
+         {"symbol": "r_x", "unit": "-", "meaning": "velocity on the way back at which nothing holds, over that one",
+          "start": (0.3, 1.0), "lower": 0.0, "upper": 5.0}),
+        energy=f"{STRENGTH} * r_x / sqrt(1 + r_x**2) * {SIZE_Y}",
+    )  # fmt: skip
 
 
-def moved_by_temperature() -> Iterator[tuple[Family, Shape]]:
-    """Give springs that begin at a place, and elements that relax in a time, which temperature moves."""
+def moved_by_temperature(span_K: float) -> Iterator[tuple[Family, Shape]]:
+    """Give springs that begin at a place, and elements that relax in a time, which temperature moves.
+
+    Args:
+        span_K: by which the tests' temperatures differ, K.
+    """
     warmer = "(T - T_0) / 100"
     moves: Entry = {**LENGTH, "symbol": "m_x", "meaning": "by which it is nearer for each 100 K", "neutral": 0.0,
              "lower": "-A_highest", "upper": "A_highest", "start": ("0.1 * A_highest", "-0.1 * A_highest")}  # fmt: skip
     kink = _length("displacement from which it acts at 20 °C", 0.3, 0.6, 0.9)
-    place = f"y_x - m_x * {warmer}"
-    for order, grows in ((1, "linearly"), (2, "with the square")):
-        for name, sign, gone, where in (
-            ("both", SIGN_Y, f"{SIZE_Y} - max({place}, 0)", "both sides"),
-            ("positive", "1", f"y - ({place})", SIDES["positive"]),
-            ("negative", "-1", f"-y - ({place})", SIDES["negative"]),
+    # of four levels tested, what changes faster than within a sixth of them all shows nothing of how fast
+    past = f"((T - l_x) / {span_K * SNAPS_WITHIN:.6g})"
+    cold: Entry = {**kink, "meaning": "displacement from which it acts when cold"}
+    snaps: Entry = {**moves, "meaning": "by which it is nearer when hot", "follows": ("T",), "levels": 3,
+             "start": ("0.25 * A_highest", "-0.25 * A_highest")}  # fmt: skip
+    levels = tuple(f"T_lowest + {share} * (T_highest - T_lowest)" for share in (0.3, 0.6))
+    level: Entry = {"symbol": "l_x", "unit": "K", "meaning": "temperature about which it moves", "start": levels,
+             "lower": "T_lowest", "upper": "T_highest"}  # fmt: skip
+    for name, place, words, own in (
+        ("moved", f"y_x - m_x * {warmer}", "which temperature moves", (kink, moves)),
+        ("snapped", f"y_x - m_x * (1 + {past} / sqrt(1 + {past} * {past})) / 2",
+         "which goes from one place to another about a temperature", (cold, snaps, level)),
+    ):  # fmt: skip
+        for (order, grows), (side, sign, gone, where) in itertools.product(
+            ((1, "linearly"), (2, "with the square")),
+            (
+                ("both", SIGN_Y, f"{SIZE_Y} - max({place}, 0)", "both sides"),
+                ("positive", "1", f"y - ({place})", SIDES["positive"]),
+                ("negative", "-1", f"-y - ({place})", SIDES["negative"]),
+            ),
         ):
             yield "spring", Shape(
-                f"moved_stop_{name}_{order}", f"{sign} * (max({gone}, 0) / A_0)**{order}",
-                f"a spring that begins beyond a displacement on {where}, which temperature moves, and grows {grows}",
-                (kink, moves),
+                f"{name}_stop_{side}_{order}", f"{sign} * (max({gone}, 0) / A_0)**{order}",
+                f"a spring that begins beyond a displacement on {where}, {words}, and grows {grows}", own,
             )  # fmt: skip
     trial = "z_x + (y - y_previous) / A_0"
     yield "element", Shape(

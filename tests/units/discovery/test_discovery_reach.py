@@ -170,6 +170,27 @@ def test_dry_friction_may_near_what_holds_it_by_a_power():
     assert nearest(plain, wanted, w_x=0.1) > CLOSELY
 
 
+def test_damping_may_be_larger_on_the_way_out_than_on_the_way_back():
+    """A magnetorheological damper's force has two branches over the velocity; no damping had."""
+    y, v = PLACE[:POINTS], PACE[:POINTS]
+
+    def beside(force):
+        return force.ravel() - BESIDE @ (BESIDE.T @ force.ravel())
+
+    def of(name, **starts):
+        force = function(term_of(name).effect.force.subs(sp.Symbol(STRENGTH, real=True), 1))
+
+        def miss(log):
+            own = dict(zip(starts, np.exp(log), strict=True))
+            return misses(wanted, beside(force(**REFERENCES, **own, y=y, v=v, y_r=0.002, v_r=0.01)))
+
+        return minimize(miss, np.log(list(starts.values())), method="Nelder-Mead").fun
+
+    wanted = beside(np.tanh(v / 6 + 0.7 * np.tanh(y / 0.03)))
+    assert of("found_shifted_damping", v_x=5.0, r_x=0.3) < CLOSELY
+    assert min(of(name, v_x=5.0) for name in ("found_saturating_damping", "found_thinning_damping")) > 4 * CLOSELY
+
+
 def test_a_stiffness_may_fall_by_a_step_over_the_temperature():
     T = np.linspace(290.0, 570.0, 30)
     wanted = 1 / (1 + np.exp(-(T - 420.0) / 20.0))
@@ -188,6 +209,21 @@ def test_a_stop_may_be_nearer_when_hot():
     for name, others, near in (
         ("found_moved_stop_both_1", {"y_x": 0.5, "m_x": 0.05}, True),
         ("found_stop_both_1_by_t", {"y_x": 0.5, "s_x": 0.5}, False),
+    ):
+        force = by_id[name].effect.force.subs(sp.Symbol(STRENGTH, real=True), 1)
+        assert (bent(force, others, wanted, **known) < CLOSELY) == near
+
+
+def test_a_stop_may_go_from_one_place_to_another_about_a_temperature():
+    """As a bimetal moves it, or what melts: it had been moved in proportion alone, which missed half between levels."""
+    levels = np.array([293.15, 373.15, 473.15, 573.15])
+    y, T = (axis.ravel() for axis in np.meshgrid(np.linspace(-1.0, 1.0, 41), levels))
+    wanted = np.sign(y) * np.maximum(np.abs(y) - 0.8 + 0.5 / (1 + np.exp(-(T - 440.0) / 20)), 0.0)
+    by_id = {term.declaration.id: term for term in terms(("T",), {}, span_K=float(np.ptp(levels)))}
+    known = {"y": y, "T": T, "y_r": 0.002}
+    for name, others, near in (
+        ("found_snapped_stop_both_1", {"y_x": 0.7, "m_x": 0.3, "l_x": 420.0}, True),
+        ("found_moved_stop_both_1", {"y_x": 0.7, "m_x": 0.1}, False),
     ):
         force = by_id[name].effect.force.subs(sp.Symbol(STRENGTH, real=True), 1)
         assert (bent(force, others, wanted, **known) < CLOSELY) == near
