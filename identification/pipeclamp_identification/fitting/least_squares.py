@@ -141,8 +141,8 @@ def _neutral(parameter: ParameterOutline, scales: Sizes) -> float:
 
 
 def _sizes(parameters: Sequence[ParameterOutline], scales: Sizes) -> Array:
-    """Give the size of each parameter, by which it is told whether the data shows it: its spread, else its start."""
-    return np.array([abs(number_in(one.spread or one.starts[0], scales)) for one in parameters])
+    """Give the size of each parameter, by which it is told whether the data shows it: its spread, else a usual one."""
+    return np.array([abs(number_in(one.spread or one.size, scales)) for one in parameters])
 
 
 def _bounds(equations: Equations, held: Container[str], scales: Sizes) -> tuple[Array, Array]:
