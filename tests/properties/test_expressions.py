@@ -117,6 +117,20 @@ def test_machine_code_has_numpys_values_and_slopes(text):
         np.testing.assert_allclose(ours[sound, 0], numbers[sound], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.5, 3.0])
+def test_machine_code_has_the_slope_of_a_power_where_its_base_vanishes(exponent):
+    from pipeclamp_models.realise.marches import slopes_source
+    from pipeclamp_models.realise.walks import StepSlopes, Taken
+
+    base, power = NAMES["y"], NAMES["p_1"]
+    source, index = slopes_source([base, power], [base, power], [base**power], [])
+    bases = np.array([0.0, 0.25, -0.0])
+    slopes = StepSlopes(len(index), range(2), source)(Taken([bases[:, None], np.full((3, 1), exponent)], (3, 1)))
+    with np.errstate(divide="ignore"):
+        expected = exponent * np.abs(bases) ** (exponent - 1)
+    np.testing.assert_allclose(dict(zip(index, slopes, strict=True))[0, 0][:, 0], expected, rtol=1e-14)
+
+
 ALPHABET = string.ascii_letters + string.digits + "+-*/()., <>=_\n\t\"'[]{}:;#\\@!%^&|~äλ\x00"
 TOKENS = [
     "y",

@@ -16,6 +16,7 @@ from pipeclamp_identification.fitting.joint.beforehand import (
     spreads_of,
     steps_over_a_bound,
 )
+from pipeclamp_identification.fitting.joint.coordinates import coordinates_at
 from pipeclamp_identification.fitting.joint.covariance import covariance_of
 from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remembered, smoothing_of
 from pipeclamp_identification.fitting.joint.fitted import Fit
@@ -40,6 +41,8 @@ MOST_EVALUATIONS = 100
 HARDLY_SHOWN = 1e-3
 """Of a parameter that a start hardly shows, its whole size moves the residuals by less than this, in units of their
 standard errors."""
+INTO_VIEW = 1e-2
+"""Tolerance of a fit of what the start shows, the rest held, which only leads to where that may show, too."""
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 ALIKE_SHARE = 1e-3
@@ -136,8 +139,8 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
 
 
 def _sizes(parameters: Sequence[ParameterOutline], scales: Sizes) -> Array:
-    """Give the size of each parameter, by which it is told whether the data shows it: its spread, else its start."""
-    return np.array([abs(number_in(one.spread or one.starts[0], scales)) for one in parameters])
+    """Give the size of each parameter, by which it is told whether the data shows it: its spread, else a usual one."""
+    return np.array([abs(number_in(one.spread or one.size, scales)) for one in parameters])
 
 
 def _bounds(equations: Equations, held: Container[str], scales: Sizes) -> tuple[Array, Array]:
@@ -196,22 +199,35 @@ def _minimise(
 
     priors = priors_of(equations, scales)
 
-    def minimise(method: str, values: Array, places: IntArray, at: Array) -> OptimizeResult:
+    def minimise(method: str, values: Array, places: IntArray, at: Array, closely: float) -> OptimizeResult:
         own, prior = Evaluator(law, values, places), priors.of(places)
         prior_slopes = np.diag(prior.root)
         inside = np.isin(free, places)
-        return least_squares(
-            lambda point: np.concatenate([own.residual(point), prior.residual(point)]),
-            at,
-            jac=lambda point: np.concatenate([own.jacobian(point), prior_slopes]),
-            bounds=(lower[inside], upper[inside]),
+        within = lower[inside], upper[inside]
+        coordinates = coordinates_at(own, at, within, prior)
+
+        def residual(point: Array) -> Array:
+            parameters = coordinates.parameters(point)
+            return np.concatenate([own.residual(parameters), prior.residual(parameters)])
+
+        def slopes(point: Array) -> Array:
+            parameters = coordinates.parameters(point)
+            return coordinates.slopes(np.concatenate([own.jacobian(parameters), prior_slopes]), parameters)
+
+        found = least_squares(
+            residual,
+            coordinates.of(at),
+            jac=slopes,
+            bounds=within,
             x_scale="jac",
             method=method,
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
+            ftol=closely,
+            xtol=closely,
+            gtol=closely,
             max_nfev=MOST_EVALUATIONS,
         )
+        found.x = coordinates.parameters(found.x)
+        return found
 
     # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -221,11 +237,11 @@ def _minimise(
         if np.any(shown) and not np.all(shown):
             values = begin.copy()
             values[free] = x0
-            x0[shown] = minimise("trf", values, free[shown], x0[shown]).x
-        result = minimise("trf", begin, free, x0)
+            x0[shown] = minimise("trf", values, free[shown], x0[shown], max(tolerance, INTO_VIEW)).x
+        result = minimise("trf", begin, free, x0, tolerance)
         if result.status == 0:
             # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
-            result = minimise("dogbox", begin, free, result.x)
+            result = minimise("dogbox", begin, free, result.x, tolerance)
     values = begin.copy()
     values[free] = result.x
     return float(result.cost), values

@@ -24,7 +24,8 @@ def series(argument: str) -> Effect:
         b_n = sp.Symbol(f"b_{order}", real=True)
         start = 0.1 * F_typical / v_typical if order == 1 else 0.0
         unit = "N s/mm" if order == 1 else f"N s{order}/mm{order}"
-        parameters.append(Parameter(b_n, unit, f"coefficient of |v|^{order - 1} v", start))
+        typical = None if order == 1 else 0.1 * F_typical / v_typical**order
+        parameters.append(Parameter(b_n, unit, f"coefficient of |v|^{order - 1} v", start, typical=typical))
         force += b_n * v * sp.Abs(v) ** (order - 1)
     return Effect(
         id="damping_series",

@@ -18,14 +18,15 @@ def series(argument: str) -> Effect:
     if not argument.isdigit() or not 1 <= int(argument) <= HIGHEST_ORDER:
         raise ValueError(f"the highest power of the displacement, 1 to {HIGHEST_ORDER}")
     s, s_A, s_T, a_0 = sp.symbols("s s_A s_T a_0", real=True)
-    parameters = [Parameter(a_0, "N", "step of the elastic force at y = 0", 0.0)]
+    parameters = [Parameter(a_0, "N", "step of the elastic force at y = 0", 0.0, typical=0.1 * F_typical)]
     force = a_0 * smooth_sign(x, y_r)
     energy = a_0 * (sp.sqrt(x**2 + y_r**2) - y_r)
     for order in range(1, int(argument) + 1):
         a_n = sp.Symbol(f"a_{order}", real=True)
         start = 0.8 * F_typical / A_typical if order == 1 else 0.0
         unit = "N/mm" if order == 1 else f"N/mm{order}"
-        parameters.append(Parameter(a_n, unit, f"coefficient of |y|^{order - 1} y", start))
+        typical = None if order == 1 else 0.1 * F_typical / A_typical**order
+        parameters.append(Parameter(a_n, unit, f"coefficient of |y|^{order - 1} y", start, typical=typical))
         force += a_n * x * sp.Abs(x) ** (order - 1)
         energy += a_n * sp.Abs(x) ** (order + 1) / (order + 1)
     return Effect(

@@ -42,7 +42,7 @@ class ParameterOutline:
     """A parameter of a law.
 
     Attributes:
-        name, unit, meaning, neutral, levels, by_shape, stated: as of the effect's `Parameter`.
+        name, unit, meaning, size, neutral, levels, by_shape, stated: as of the effect's `Parameter`.
         effect: name of the effect that it belongs to.
         starts: where the fit starts, one value or several.
         lower, upper: bounds.
@@ -57,6 +57,7 @@ class ParameterOutline:
     meaning: str
     effect: str
     starts: tuple[NumberOrExpression, ...]
+    size: NumberOrExpression
     lower: NumberOrExpression
     upper: NumberOrExpression
     spread: NumberOrExpression | None
@@ -156,6 +157,7 @@ def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], co
         meaning=parameter.meaning,
         effect=effect,
         starts=tuple(_quantity(start) for start in starts),
+        size=_quantity(parameter.size),
         lower=_quantity(lower),
         upper=_quantity(upper),
         spread=None if parameter.spread is None else _quantity(parameter.spread),

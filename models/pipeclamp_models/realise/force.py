@@ -17,6 +17,10 @@ from pipeclamp_models.realise.states import March, States
 VELOCITY = FAST_ARGUMENTS.index("v")
 
 
+Terms = Sequence[tuple[int, Array | float]]
+"""Courses that make up a parameter's derivative, by place, and their factors, shape (R, 1) or numbers."""
+
+
 @dataclass(frozen=True)
 class Jacobian:
     """Derivatives of the force by the parameters: sums of courses along the motions, each times a number of its row.
@@ -25,12 +29,11 @@ class Jacobian:
 
     Attributes:
         courses: shape (K, R, n).
-        terms: for each parameter, the courses that make up its derivative, by place, and their factors, shape (R, 1) or
-            numbers.
+        terms: of each parameter.
     """
 
     courses: Array
-    terms: Sequence[Sequence[tuple[int, Array | float]]]
+    terms: Sequence[Terms]
 
     def of(self, parameters: IntArray) -> Array:
         """Give the derivatives by some of the parameters, shape (P, R, n)."""

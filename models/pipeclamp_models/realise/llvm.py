@@ -6,6 +6,7 @@ At a kink the slope is that of the side that the value is taken from.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial, reduce
 
@@ -195,9 +196,7 @@ class Writer:
     def _of_power(self, one: sp.Pow) -> Slopes:
         base, exponent = one.base, one.exp
         builder = self.builder
-        by_base = self._times(
-            lambda: builder.fmul(self.value(exponent), self._power(self.value(base), exponent - 1)), base
-        )
+        by_base = self._times(lambda: builder.fmul(self.value(exponent), self._power_less_one(one)), base)
 
         def by_exponent() -> ir.Value:
             # x^e log x vanishes where x does
@@ -206,6 +205,16 @@ class Writer:
             return builder.select(builder.fcmp_ordered("==", whole, number(0.0)), whole, steep)
 
         return self._sum(iter((by_base, self._times(by_exponent, exponent))))
+
+    def _power_less_one(self, one: sp.Pow) -> ir.Value:
+        """Write x^(e - 1): of an exponent that isn't a number as x^e/x, for a power takes as long as all beside it."""
+        builder, base = self.builder, self.value(one.base)
+        if one.exp.is_Number:
+            return self._power(base, one.exp - 1)
+        exponent, zero, one_alone = self.value(one.exp), number(0.0), number(1.0)
+        above, below = (builder.fcmp_ordered(side, exponent, one_alone) for side in (">", "<"))
+        at_zero = builder.select(above, zero, builder.select(below, number(math.inf), one_alone))
+        return builder.select(builder.fcmp_ordered("==", base, zero), at_zero, builder.fdiv(self.value(one), base))
 
     def _extremum(self, one: sp.Max | sp.Min) -> ir.Value:
         """Write the largest or smallest of several; what is no number stays none."""
