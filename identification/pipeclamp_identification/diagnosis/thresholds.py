@@ -36,7 +36,7 @@ MATERIAL_PART_SHARE = 0.05
 fortieth."""
 TAKEN_SHARE = MATERIAL_PART_SHARE / 5
 """Nothing is gained by an effect that, refitted, takes less than this share of the mean square beyond scatter on
-left-out conditions: it may be another form of what the law has, with parameters that nothing determines."""
+left-out conditions, with parameters that nothing determines: it may be another form of what the law has."""
 PROMISED_SHARE = 0.5
 """A rung takes much less than was estimated where it is less than this share, by refits without what was left out."""
 SAME_ERROR_SHARE = 0.02

@@ -40,8 +40,8 @@ def add_until_settled(
     place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
 
     The part that takes most first may lead astray. Where the ladder ends with something missing that can't be named,
-    it is climbed once more from where another effect took nearly as much, rather one that the end lacks, until a law of
-    the first way is met; the way that ends better is taken. Of a dozen further ways none ended better.
+    it is climbed once more from where another effect took nearly as much, or as much, rather one that the end lacks,
+    until a law of the first way is met; the way that ends better is taken. Of a dozen further ways none ended better.
 
     Args:
         file: the law to begin with.

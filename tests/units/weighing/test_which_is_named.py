@@ -429,7 +429,9 @@ def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
     assert (apart.verdict, apart.effects) == ("missing", ("viscous",))
     assert "no rival comes near" not in apart.reasons[0]
     assert "memory comes near: it takes another part" in apart.reasons[0]
-    assert weighed_part(monkeypatch, same=True).verdict == "ambiguous"
+    alike = weighed_part(monkeypatch, same=True)
+    assert alike.verdict == "ambiguous"
+    assert [other.effects for other in alike.others] == [("memory",)], "a ladder may go its way too"
 
 
 @pytest.mark.parametrize(

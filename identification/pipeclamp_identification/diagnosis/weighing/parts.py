@@ -66,7 +66,8 @@ def one_part(
     form += curve_words(best, scales.law, scales.problem)
     if len(names) > 1:
         alike_words = f"{takes}; {' and '.join(names[1:])} would take much the same part"
-        return Weighed("ambiguous", names, "part", best, None, (alike_words, *form), others)
+        as_well = (each for each in best_of_each(alike) if effect_id(each.effects[0]) != effect_id(best.effects[0]))
+        return Weighed("ambiguous", names, "part", best, None, (alike_words, *form), (*as_well, *others))
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
     most = f"beyond doubt; {immaterial_words(more[0], scales.law, scales.problem)}" if more else ""

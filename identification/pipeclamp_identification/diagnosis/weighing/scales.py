@@ -26,7 +26,7 @@ class Weighed:
         named: the law with what is named first, by which the leftover is told.
         pair: the law with the best pair of effects, where pairs were tried.
         reasons: why, in words.
-        others: laws with another effect each that takes a part too, and not much the same one.
+        others: laws with another effect each that takes a part too, much the same one first.
         unstated: what differs between runs at the same stated conditions.
         bent: a force channel that would explain it all.
     """
