@@ -41,8 +41,6 @@ MOST_EVALUATIONS = 100
 HARDLY_SHOWN = 1e-3
 """Of a parameter that a start hardly shows, its whole size moves the residuals by less than this, in units of their
 standard errors."""
-INTO_VIEW = 1e-2
-"""Tolerance of a fit of what the start shows, the rest held, which only leads to where that may show, too."""
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 ALIKE_SHARE = 1e-3
@@ -199,7 +197,7 @@ def _minimise(
 
     priors = priors_of(equations, scales)
 
-    def minimise(method: str, values: Array, places: IntArray, at: Array, closely: float) -> OptimizeResult:
+    def minimise(method: str, values: Array, places: IntArray, at: Array) -> OptimizeResult:
         own, prior = Evaluator(law, values, places), priors.of(places)
         prior_slopes = np.diag(prior.root)
         inside = np.isin(free, places)
@@ -221,9 +219,9 @@ def _minimise(
             bounds=within,
             x_scale="jac",
             method=method,
-            ftol=closely,
-            xtol=closely,
-            gtol=closely,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
             max_nfev=MOST_EVALUATIONS,
         )
         found.x = coordinates.parameters(found.x)
@@ -237,11 +235,11 @@ def _minimise(
         if np.any(shown) and not np.all(shown):
             values = begin.copy()
             values[free] = x0
-            x0[shown] = minimise("trf", values, free[shown], x0[shown], max(tolerance, INTO_VIEW)).x
-        result = minimise("trf", begin, free, x0, tolerance)
+            x0[shown] = minimise("trf", values, free[shown], x0[shown]).x
+        result = minimise("trf", begin, free, x0)
         if result.status == 0:
             # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
-            result = minimise("dogbox", begin, free, result.x, tolerance)
+            result = minimise("dogbox", begin, free, result.x)
     values = begin.copy()
     values[free] = result.x
     return float(result.cost), values

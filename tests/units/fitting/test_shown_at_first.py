@@ -7,7 +7,7 @@ import scipy.optimize
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
-from pipeclamp_identification.fitting.least_squares import INTO_VIEW, fit
+from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Structure
@@ -37,19 +37,3 @@ def test_what_starts_from_nothing_is_shown_all_the_same(structure, observations,
     monkeypatch.setattr(scipy.optimize, "least_squares", counting)
     found = fit(structure, observations)
     assert freed == [len(found.fitted)]
-
-
-def test_what_shows_once_the_rest_is_there_waits_for_it_no_longer_than_it_must(observations, monkeypatch):
-    """From next to no cubic stiffness its exponent shows nothing; to see it, the rest needs no close fit."""
-    freed, minimise = [], scipy.optimize.least_squares
-
-    def noting(residual, start, **how):
-        freed.append((len(start), how["ftol"]))
-        return minimise(residual, start, **how)
-
-    monkeypatch.setattr(scipy.optimize, "least_squares", noting)
-    found = fit(Structure("power"), observations, start={"k30": 1e-9}, tolerance=1e-8)
-    (first, roughly), (whole, closely) = freed
-    assert first < whole == len(found.fitted)
-    assert (roughly, closely) == (INTO_VIEW, 1e-8)
-    assert found.law.values["k3_A"] != 0.0
