@@ -16,7 +16,6 @@ from pipeclamp_identification.fitting.joint.beforehand import (
     spreads_of,
     steps_over_a_bound,
 )
-from pipeclamp_identification.fitting.joint.coordinates import coordinates_at
 from pipeclamp_identification.fitting.joint.covariance import covariance_of
 from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remembered, smoothing_of
 from pipeclamp_identification.fitting.joint.fitted import Fit
@@ -201,22 +200,11 @@ def _minimise(
         own, prior = Evaluator(law, values, places), priors.of(places)
         prior_slopes = np.diag(prior.root)
         inside = np.isin(free, places)
-        within = lower[inside], upper[inside]
-        coordinates = coordinates_at(own, at, within, prior)
-
-        def residual(point: Array) -> Array:
-            parameters = coordinates.parameters(point)
-            return np.concatenate([own.residual(parameters), prior.residual(parameters)])
-
-        def slopes(point: Array) -> Array:
-            parameters = coordinates.parameters(point)
-            return coordinates.slopes(np.concatenate([own.jacobian(parameters), prior_slopes]), parameters)
-
-        found = least_squares(
-            residual,
-            coordinates.of(at),
-            jac=slopes,
-            bounds=within,
+        return least_squares(
+            lambda point: np.concatenate([own.residual(point), prior.residual(point)]),
+            at,
+            jac=lambda point: np.concatenate([own.jacobian(point), prior_slopes]),
+            bounds=(lower[inside], upper[inside]),
             x_scale="jac",
             method=method,
             ftol=tolerance,
@@ -224,8 +212,6 @@ def _minimise(
             gtol=tolerance,
             max_nfev=MOST_EVALUATIONS,
         )
-        found.x = coordinates.parameters(found.x)
-        return found
 
     # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
     with np.errstate(over="ignore", invalid="ignore"):

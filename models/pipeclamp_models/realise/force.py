@@ -17,10 +17,6 @@ from pipeclamp_models.realise.states import March, States
 VELOCITY = FAST_ARGUMENTS.index("v")
 
 
-Terms = Sequence[tuple[int, Array | float]]
-"""Courses that make up a parameter's derivative, by place, and their factors, shape (R, 1) or numbers."""
-
-
 @dataclass(frozen=True)
 class Jacobian:
     """Derivatives of the force by the parameters: sums of courses along the motions, each times a number of its row.
@@ -29,11 +25,12 @@ class Jacobian:
 
     Attributes:
         courses: shape (K, R, n).
-        terms: of each parameter.
+        terms: for each parameter, the courses that make up its derivative, by place, and their factors, shape (R, 1) or
+            numbers.
     """
 
     courses: Array
-    terms: Sequence[Terms]
+    terms: Sequence[Sequence[tuple[int, Array | float]]]
 
     def of(self, parameters: IntArray) -> Array:
         """Give the derivatives by some of the parameters, shape (P, R, n)."""
