@@ -76,17 +76,17 @@ LAWS: dict[str, Beyond] = {
         Kind(plain.shifted_flow), "F = F_m tanh(v/v_s + b tanh(y/y_s))",
         "Kwok, Ha, Nguyen, Li and Samali 2006, Sens. Actuators A 132(2), their sgn(y) made smooth", DAMPER, ELEMENT,
     ),
-    "creeping_arm": _law(
-        Kind(states.creeping_arm), "dF/dt = k (v - v_e sinh(F/F_e))",
-        "Haward and Thackray 1968, Proc. R. Soc. A 302: their dashpot", ELEMENT,
+    "cooperative_arm": _law(
+        Kind(states.cooperative_arm), "dF/dt = k (v - v_e sinh(F/F_e)^3)",
+        "Fotheringham and Cherry 1978, J. Mater. Sci. 13: their dashpot, of three segments", ELEMENT,
     ),
     "viscoplastic": _law(
         Kind(states.viscoplastic), "dF/dt = k (v - v_p sgn(F) (|F|/F_y - 1)+)", "Perzyna 1966, Adv. Appl. Mech. 9",
         ELEMENT,
     ),
-    "bristles": _law(
-        Kind(states.bristles), "dz/dt = v - |v| z/g(v), g = z_s (1 + b exp(-(v/v_s)^2))",
-        "Canudas de Wit, Olsson, Astroem and Lischinsky 1995, IEEE Trans. Autom. Control 40(3)", ELEMENT,
+    "elastic_bristles": _law(
+        Kind(states.elastic_bristles), "dz/dt = v (1 - a(z) |z|/g(v)), g = z_s (1 + b exp(-(v/v_s)^2)), a from 0 to 1",
+        "Dupont, Hayward, Armstrong and Altpeter 2002, IEEE Trans. Autom. Control 47(5)", ELEMENT,
     ),
     "flag": _law(
         Kind(states.flag), "dF = k dy within [min(k |y|, F_r), min(k |y|, F_y)] sgn(y)",
@@ -100,9 +100,9 @@ LAWS: dict[str, Beyond] = {
         Kind(states.wire_rope), "F = F_c exp(y/y_c) z, dz = (sgn(v) - z) |dy|/x",
         "Ni, Ko, Wong and Zhan 1999, Proc. Inst. Mech. Eng. I 213(3)", ELEMENT, DAMPER,
     ),
-    "grease": _law(
-        Kind(states.grease), "F = F_y q tanh(v/v_s), dq/dt = (1 - q)/t - q |v|/x",
-        "Moore 1959, Trans. Br. Ceram. Soc. 58", DAMPER, ELEMENT,
+    "setting_paste": _law(
+        Kind(states.setting_paste), "F = c v (1 + q^1.5), dq/dt = 1/t - q |v|/x",
+        "Coussot, Nguyen, Huynh and Bonn 2002, Phys. Rev. Lett. 88(17)", DAMPER, ELEMENT,
     ),
     "ageing_contacts": _law(
         Kind(states.ageing_contacts, most=1.0),

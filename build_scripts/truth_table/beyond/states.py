@@ -8,20 +8,24 @@ from truth import T0, Array, BaseLaw, Motion, Part, relieved
 
 from beyond.plain import SLIDES, SPEED
 
+SEGMENTS = 3
+"""Of a polymer, which move at once where it flows."""
 STEEPEST = 40.0
 """Force over that of activation beyond which flow is as fast as there."""
 ACTIVATION = 1000.0
 """K."""
+PARTS_OF_STEP = 4
+"""In which bristles are followed that slide bit by bit."""
 DIRECTLY, WITH_AGE = 0.06, 0.2
 """Shares by which friction grows with the logarithm of the speed and of the age of its contacts."""
 
 
-def creeping_arm(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A spring in series with a dashpot of activated flow, as glassy polymers have."""
+def cooperative_arm(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A spring in series with a dashpot that flows where several segments of a polymer move at once."""
     force, speed = size * typical(base), shape["speed"]
 
     def flow(q: Array) -> Array:
-        return speed * np.sinh(np.clip(q / force, -STEEPEST, STEEPEST))
+        return speed * np.sinh(np.clip(q / force, -STEEPEST, STEEPEST)) ** SEGMENTS
 
     return Part(force=relieved(motion, 3 * force / shape["limit"], flow, force))
 
@@ -36,9 +40,10 @@ def viscoplastic(motion: Motion, base: BaseLaw, rough: bool, size: float, shape:
     return Part(force=relieved(motion, force / shape["limit"], flow, force))
 
 
-def bristles(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Bristles that bend, then slide at a force that falls with the speed; exact for a speed held over a step."""
+def elastic_bristles(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Bristles that bend elastically, slide bit by bit and then fully, at a force that falls with the speed."""
     bend, weaker = 0.4 * shape["limit"], 8 * shape["speed"]
+    breaks_away = 0.6 * bend
 
     def bent() -> Array:
         result = np.zeros_like(motion.v.T)
@@ -47,12 +52,21 @@ def bristles(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Sha
         for step in range(len(v) - 1):
             speed = (v[step] + v[step + 1]) / 2
             held = bend * (1 + 0.8 * np.exp(-((speed / weaker) ** 2)))
-            kept = np.exp(-np.abs(speed) * motion.step / held)
-            z = z * kept + np.sign(speed) * held * (1 - kept)
+            for _ in range(PARTS_OF_STEP):
+                moved = speed * motion.step / PARTS_OF_STEP
+                half = z + moved / 2 * _bending(z, speed, breaks_away, held)
+                z = z + moved * _bending(half, speed, breaks_away, held)
             result[step + 1] = z
         return result.T
 
-    return Part(force=size * typical(base) * motion.remember("bristles", bent) / bend)
+    return Part(force=size * typical(base) * motion.remember("elastic_bristles", bent) / bend)
+
+
+def _bending(z: Array, speed: Array, breaks_away: float, held: Array) -> Array:
+    """By how much of a way bristles bend: all of it before they break away, and on the way back."""
+    share = np.clip((np.abs(z) - breaks_away) / (held - breaks_away), 0.0, 1.0)
+    sliding = np.where(z * speed > 0, (1 - np.cos(np.pi * share)) / 2, 0.0)
+    return 1 - sliding * np.abs(z) / held
 
 
 def flag(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -111,27 +125,26 @@ def wire_rope(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Sh
     return Part(force=size * typical(base) * pressed * motion.remember("wire_rope", strained))
 
 
-def grease(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A paste whose structure rest builds up and shear breaks down; exact for a speed held over a step."""
-    built, broken = 3 * shape["tau"], 3 * shape["limit"]
+def setting_paste(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A paste that sets without end at rest and that shear breaks down; exact for a speed held over a step."""
+    sets, broken = 3 * shape["tau"], 3 * shape["limit"]
 
     def structure() -> Array:
         result = np.empty_like(motion.v.T)
-        speed = np.abs(motion.v)
-        there = 1 / (1 + speed.mean(axis=1) * built / broken)
+        speed = np.hypot(motion.v, SLIDES)
+        there = broken / (sets * speed.mean(axis=1))
         for step, now in enumerate(speed.T):
-            rate = 1 / built + now / broken
-            kept = np.exp(-rate * motion.step)
-            there = there * kept + (1 - kept) / (rate * built)
+            kept = np.exp(-now * motion.step / broken)
+            there = there * kept + broken / (sets * now) * (1 - kept)
             result[step] = there
         return result.T
 
-    flow = np.tanh(motion.v / SLIDES)
-    return Part(force=size * typical(base) * motion.remember("grease", structure) * flow)
+    thicker = 1 + motion.remember("setting_paste", structure) ** 1.5
+    return Part(force=size * typical(base) * motion.v / SPEED * thicker)
 
 
 def ageing_contacts(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Friction of contacts that strengthen with their age and are renewed along a way; exact as `grease`."""
+    """Friction of contacts that strengthen with their age and are renewed along a way; exact as `setting_paste`."""
     way = 0.3 * shape["limit"]
 
     def age() -> Array:

@@ -130,7 +130,8 @@ def unproved_of(file: LawFile) -> list[str]:
     """
     steps = [read_step(one.step) for one in file.history]
     bases = [str(LawStep(base=file.base))] if any(step.base for step in steps) else []
-    bases += [f"base {step}" for step in steps if step.held]
+    freed = {name for step in steps for name in step.freed}
+    bases += [f"base {step}" for step in steps if set(step.held) - freed]
     loaded = file.fit is not None and file.fit.mean_share is not None
     parts = [name for name in parts_of(file) if not (loaded and _is_constant(name))]
     return [*parts, *bases]

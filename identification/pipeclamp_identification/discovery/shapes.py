@@ -184,17 +184,21 @@ def _velocity(meaning: str, *shares: float) -> Entry:
     return {**SPEED, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
 
 
+LEVEL_AT_SPEED: Entry = {"symbol": "r_x", "unit": "-", "meaning": "level at speed over that next to rest, less 1",
+        "start": (0.5, -0.5), "lower": -0.95, "upper": 20.0}  # fmt: skip
 AT_SPEED = (
     ("_at_speed", f"(1 + r_x * (1 - exp(-{SIZE_V} / v_x)))", ", going from one level to another with the velocity",
-     (_velocity("velocity at which two thirds of the change are made", 1.0, 5.0),
-      {"symbol": "r_x", "unit": "-", "meaning": "level at speed over that next to rest, less 1", "start": (0.5, -0.5),
-       "lower": -0.95, "upper": 20.0})),
+     (_velocity("velocity at which two thirds of the change are made", 1.0, 5.0), LEVEL_AT_SPEED)),
+    ("_past_speed", "(1 + r_x * (1 - exp(-(v / v_x)**2)))",
+     ", going from one level to another with the square of the velocity",
+     (_velocity("velocity at which two thirds of the change are made", 1.0, 5.0), LEVEL_AT_SPEED)),
     ("_by_speed", "(1 + (v / v_x)**2)**(p_x / 2)", ", rising or falling with a power of the velocity beyond one",
      (_velocity("velocity beyond which it rises or falls", 1.0, 5.0),
       _exponent("exponent of the velocity", 0.4, -0.4, lower=-2.0, upper=2.0))),
 )  # fmt: skip
 """What holds an element that slips may follow the velocity, as in sliding bearings (Constantinou, Mokha and Reinhorn
-1990) and where yielding takes time (Cowper and Symonds 1957): name, factor > 0, words, parameters."""
+1990), under bristles (Canudas de Wit, Olsson, Astroem and Lischinsky 1995) and where yielding takes time (Cowper and
+Symonds 1957): name, factor > 0, words, parameters."""
 
 TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
         "upper": "100 / f_lowest", "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))}  # fmt: skip
@@ -204,6 +208,8 @@ SNAPS_WITHIN = 1 / 6
 """Share of the tests' temperatures within which a stop goes from one place to another."""
 LEAST_LIMIT = 0.001
 """Where nothing holds, an element yields within this share of its way."""
+STILL = 1e-10
+"""A step, over an element's way and time, in which nothing happens."""
 
 
 def elements() -> Iterator[Shape]:
@@ -253,13 +259,35 @@ def elements() -> Iterator[Shape]:
             f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (time,),
             state(f"({strained}) / (1 + h / t_x * abs({strained})**{power})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
         )  # fmt: skip
-    # a polymer flows in proportion to a small force, and far faster under a large one: a pure power has no beginning
-    eased = f"(1 + (abs({strained}) * A_0 / q_x)**2)"
+    # activated flow (Eyring 1936), in proportion to a small force and far faster under a large one: over a step of even
+    # motion the strain u follows du/dt = v / q - sinh(u) / t, of which z = tanh(u / 2) solves a Riccati equation
+    way_over, time_over = "(y - y_previous) / q_x", "h / t_x"
+    size = f"sqrt(({way_over})**2 + ({time_over})**2 + {STILL}**2)"
+    eased, strain = f"tanh({size} / 2) / {size}", "log((1 + z_x) / (1 - z_x))"
     yield Shape(
-        "easing_relaxing", "z_x", "a spring whose force creeps away in a time, and faster where it is strained far",
-        (TIME, {**_length("strain at which it creeps twice as fast", 0.05, 0.2), "symbol": "q_x"}),
-        state(f"({strained}) / (1 + h / t_x * {eased})"), f"{STRENGTH} * A_0 * z_x**2 / 2",
+        "activated_relaxing", strain,
+        "a spring whose force creeps away in a time, and far faster where it is strained far",
+        (TIME, {**_length("strain beyond which it creeps far faster", 0.05, 0.2), "symbol": "q_x"}),
+        state(f"(z_x * (1 - {time_over} * {eased}) + {way_over} * {eased}) / "
+              f"(1 + ({time_over} + {way_over} * z_x) * {eased})"),
+        f"{STRENGTH} * q_x * {strain}**2 / 2",
     )  # fmt: skip
+    # structure that shear breaks and rest builds up (Moore 1959): exact over a step of even motion
+    broken = "abs(y - y_previous) / q_x"
+    both = f"(h / t_x + {broken} + {STILL})"
+    worn: Entry = {"symbol": "z_x", "unit": "-", "meaning": "share of its structure that is broken",
+            "update": f"z_x * exp(-{both}) + (1 - exp(-{both})) * {broken} / {both}"}  # fmt: skip
+    rest: Entry = {**TIME, "meaning": "time in which it builds up again at rest"}
+    worn_by: Entry = {**_length("way along which it breaks", 0.3, 3.0), "symbol": "q_x", "upper": "100 * A_highest"}
+    for name, rate, words, own in (
+        ("dry", SIGN_V, "dry friction", ()), ("viscous", "v / v_0", "viscous damping", ()),
+        ("saturating", "tanh(v / v_x)", "damping that levels off with velocity,",
+         (_velocity("velocity by which it levels off", 0.1, 1.0),)),
+    ):  # fmt: skip
+        yield Shape(
+            f"thixotropic_{name}", f"(1 - z_x) * {rate}",
+            f"{words} that weakens as it moves and recovers at rest", (rest, worn_by, *own), worn,
+        )  # fmt: skip
     # at rest it is a spring, which gives back what it took; it rises with v, so that what v adds acts against v
     shifted = f"(v / v_x + r_x * {SIGN_Y})"
     yield Shape(

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.diagnosis.named import parts_of
-from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD, TAKEN_SHARE
+from pipeclamp_identification.diagnosis.thresholds import STILL_AS_GOOD, TAKEN_SHARE, ratio_without_powers
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress, silent
@@ -223,12 +223,41 @@ def exchange(
     return _changed(file, structure, step, tests, provenance=provenance, kind=kind, progress=progress)
 
 
-def _with_powers_free(new: Structure, file: LawFile) -> Structure:
-    """Give a structure with the powers fitted again that the memory of the law so far spared, where it has none."""
+def with_powers_back(
+    file: LawFile, tests: Tests, *, provenance: Provenance, progress: Progress = silent
+) -> LawChange | None:
+    """Fit the powers of the amplitude again that a law's memory spared; None where there are none; see `add_effect`.
+
+    A law that lacks something still may have lost powers that are the device's own, which nothing else gives back.
+    """
+    old = structure_of(file)
+    new = _with_powers_free(old, file)
+    freed = tuple(name for name, _ in old.frozen if name not in dict(new.frozen))
+    if not freed:
+        return None
+    return _changed(file, new, LawStep(freed=freed), tests, provenance=provenance, progress=progress)
+
+
+def without_spare_powers(
+    file: LawFile, tests: Tests, *, complete: bool, provenance: Provenance, progress: Progress = silent
+) -> LawChange | None:
+    """Take out the powers of the amplitude that a law's memory spares; None where it needs each.
+
+    Args:
+        complete: whether nothing is missing, which decides by how little the law may err more without them.
+        file, tests, provenance, progress: as for `add_effect`.
+    """
+    structure = tests.without_spare_powers(file, complete, progress)
+    if structure is None:
+        return None
+    change = exchange(file, structure, tests, provenance=provenance, progress=progress)
+    return change if stays_as_good(change, ratio_without_powers(complete)) else None
+
+
+def _with_powers_free(structure: Structure, file: LawFile) -> Structure:
+    """Give a structure with the powers fitted again that the memory of the law so far spared."""
     spared = {name for one in file.history for name in read_step(one.step).held}
-    if not spared or new.equations.states:
-        return new
-    return replace(new, frozen=tuple((name, value) for name, value in new.frozen if name not in spared))
+    return replace(structure, frozen=tuple((name, value) for name, value in structure.frozen if name not in spared))
 
 
 def _changed(
@@ -243,7 +272,8 @@ def _changed(
     progress: Progress,
 ) -> LawChange:
     """Refit a law with another structure and state the error before and after."""
-    new = _with_powers_free(new, file)
+    if not new.equations.states:  # what spared them is gone
+        new = _with_powers_free(new, file)
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, provenance=provenance)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse.before)),)

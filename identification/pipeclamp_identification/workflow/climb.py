@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, ratio_without_powers
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE
 from pipeclamp_identification.workflow.change import (
     LawChange,
     add_effects,
@@ -22,6 +22,7 @@ from pipeclamp_identification.workflow.change import (
     refit,
     stays_as_good,
     takes,
+    without_spare_powers,
     without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
@@ -363,13 +364,11 @@ class Climber:
         """
         if found.verdict not in ("complete", "unknown"):
             return None
-        complete = found.verdict == "complete"
-        structure = self.tests.without_spare_powers(file, complete, self.workers.tell)
-        if structure is None:
-            return None
-        change = self._exchanged(file, structure)
-        as_good = stays_as_good(change, ratio_without_powers(complete))
-        return Rung(change, "revision", (_spared(change),)) if as_good else None
+        change = without_spare_powers(
+            file, self.tests, complete=found.verdict == "complete", provenance=self._provenance(file),
+            progress=self.workers.tell,
+        )  # fmt: skip
+        return Rung(change, "revision", (_spared(change),)) if change else None
 
     def _exchanged(self, file: LawFile, structure: Structure) -> LawChange:
         return exchange(file, structure, self.tests, provenance=self._provenance(file), progress=self.workers.tell)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE, _HELD = "+ ", "- ", " -> ", "base ", " alone", "without "
+_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE, _HELD, _FREED = (
+    "+ ",
+    "- ",
+    " -> ",
+    "base ",
+    " alone",
+    "without ",
+    "with ",
+)
 _REFIT = "a refit"
 _AND = " and "
 
@@ -27,6 +35,7 @@ class LawStep:
         base: the base that it was put on; empty where it stayed on its own.
         alone: whether all effects went with that.
         held: parameters of its base that are held where they do nothing from then on.
+        freed: parameters of its base that were held so, and are fitted from then on.
     """
 
     come: tuple[str, ...] = ()
@@ -34,6 +43,7 @@ class LawStep:
     base: str = ""
     alone: bool = False
     held: tuple[str, ...] = ()
+    freed: tuple[str, ...] = ()
 
     @property
     def adds(self) -> bool:
@@ -51,6 +61,8 @@ class LawStep:
             return f"{_ON_BASE}{self.base}{_ALONE if self.alone else ''}"
         if self.held:
             return f"{_HELD}{_AND.join(self.held)}"
+        if self.freed:
+            return f"{_FREED}{_AND.join(self.freed)}"
         if self.come and self.gone:
             return f"{_AND.join(self.gone)}{_IN_PLACE}{_AND.join(self.come)}"
         return f"{_ADDED if self.come else _REMOVED}{self.effect}" if self.effect else _REFIT
@@ -63,6 +75,8 @@ def read_step(text: str) -> LawStep:
         return LawStep(base=base.removesuffix(_ALONE), alone=base.endswith(_ALONE))
     if text.startswith(_HELD):
         return LawStep(held=tuple(text.removeprefix(_HELD).split(_AND)))
+    if text.startswith(_FREED):
+        return LawStep(freed=tuple(text.removeprefix(_FREED).split(_AND)))
     if text.startswith(_ADDED):
         return LawStep(come=tuple(text.removeprefix(_ADDED).split(_AND)))
     if text.startswith(_REMOVED):

@@ -13,8 +13,8 @@ STEP_ERROR = 2e-3
 """Share of the force (rms) by which the fine steps of the truth err: half of the least noise."""
 LAWS = (
     "detents", "bimetal_stop", "bumpers", "thickening_paste", "melting_wax", "cavitating_film", "barrel",
-    "jammed_paste", "struck_pad", "shifted_flow", "creeping_arm", "viscoplastic", "bristles", "flag",
-    "hardening_plastic", "wire_rope", "grease", "ageing_contacts", "warm_arm", "rubber_friction",
+    "jammed_paste", "struck_pad", "shifted_flow", "cooperative_arm", "viscoplastic", "elastic_bristles", "flag",
+    "hardening_plastic", "wire_rope", "setting_paste", "ageing_contacts", "warm_arm", "rubber_friction",
     "overshooting_friction", "glass_transition", "payne", "moving_peak", "running_in", "field_friction",
 )  # fmt: skip
 
@@ -70,11 +70,24 @@ def test_no_law_creates_energy_and_springs_lose_none(law):
         assert np.all(np.abs(work) < 1e-4 * moved)
 
 
+def held_at(v):
+    """What elastic bristles hold at a speed, over what they hold when fast."""
+    return 1 + 0.8 * np.exp(-((v / 8.0) ** 2))
+
+
+def slides(q, v):
+    """The share of a way by which they slide: none up to 0.6 of what they hold when fast, all at what they hold."""
+    if q * v <= 0 or abs(q) < 0.6:
+        return 0.0
+    middle, width = (held_at(v) + 0.6) / 2, held_at(v) - 0.6
+    return 1.0 if abs(q) > held_at(v) else (1 + np.sin(np.pi * (abs(q) - middle) / width)) / 2
+
+
 STATES = {
-    "creeping_arm": (lambda q, v: 15 * (v - np.sinh(q)), lambda q, y: q, 0.0),
+    "cooperative_arm": (lambda q, v: 15 * (v - np.sinh(q) ** 3), lambda q, y: q, 0.0),
     "viscoplastic": (lambda q, v: 5 * (v - 5.0 * np.sign(q) * max(abs(q) - 1, 0.0)), lambda q, y: q, 0.0),
-    "bristles": (
-        lambda q, v: (v - abs(v) * q / (1 + 0.8 * np.exp(-((v / 8.0) ** 2)))) / 0.08, lambda q, y: q, 0.0,
+    "elastic_bristles": (
+        lambda q, v: v / 0.08 * (1 - slides(q, v) * abs(q) / held_at(v)), lambda q, y: q, 0.0,
     ),
     "wire_rope": (lambda q, v: (v - abs(v) * q) / 0.2, lambda q, y: np.exp(y / 0.7) * q, 0.0),
     "warm_arm": (
@@ -121,14 +134,16 @@ def test_structure_and_age_follow_their_equations():
         ).y[0]  # fmt: skip
 
     v = motion.v[0]
-    built = steady(lambda q, v: (1 - q) / 0.18 - q * abs(v) / 0.6, 0.3)
     near = np.hypot(v, 0.2)
+    built = steady(lambda q, v: 1 / 0.18 - q * np.hypot(v, 0.2) / 0.6, 0.3)
     aged = steady(lambda q, v: 1 - np.hypot(v, 0.2) * q / 0.06, 0.01)
     strength = 1 + 0.06 * np.log(near / 20) + 0.2 * np.log(20 / 0.06 * aged)
     last = slice(-round(1 / (3.0 * motion.step)), None)
-    for law, expected in (("grease", built), ("ageing_contacts", np.maximum(strength, 0.0))):
+    flow = np.tanh(v / 0.2)
+    for law, wanted in (
+        ("setting_paste", v / 20 * (1 + built**1.5)), ("ageing_contacts", np.maximum(strength, 0.0) * flow),
+    ):  # fmt: skip
         shown = registry.LAWS[law].kind.part(motion, base, False, 1.0, SHAPE).force[0] / typical(base)
-        wanted = expected * np.tanh(v / 0.2)
         assert np.sqrt(np.mean((shown - wanted)[last] ** 2) / np.mean(wanted[last] ** 2)) < STEP_ERROR, law
 
 
