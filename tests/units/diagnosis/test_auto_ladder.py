@@ -287,6 +287,7 @@ def test_at_the_end_powers_of_the_amplitude_go_that_the_memory_spares(verdict, a
         ([("+ oil_damper", "cause")], "cause"),
         ([("base series", None), ("+ oil_damper", "cause")], "part"),
         ([("+ oil_damper", "cause"), ("without k3_A", None)], "part"),
+        ([("+ oil_damper", "cause"), ("without k3_A", None), ("with k3_A", None)], "cause"),
         ([("+ bouc_wen", "part"), ("- bouc_wen", None), ("+ oil_damper", None)], "cause"),
     ],
 )

@@ -38,7 +38,7 @@ from pipeclamp_identification.fitting.observations import SAMPLES_PER_CYCLE, poi
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow import on_records
 from pipeclamp_identification.workflow.auto import add_until_settled
-from pipeclamp_identification.workflow.change import add_effect, exchange, remove_effect
+from pipeclamp_identification.workflow.change import add_effect, exchange, remove_effect, with_powers_back
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.processes import ALONE
@@ -449,6 +449,11 @@ def test_powers_that_memory_spared_are_fitted_again_where_it_goes(campaign):
     with_offset = add_effect(spared.after, "offset", tests, provenance=made).after
     assert with_offset.coefficients["k1_A"].state == "held"
     assert remove_effect(with_offset, "memory", tests, provenance=made).after.coefficients["k1_A"].state == "fitted"
+    back = with_powers_back(with_offset, tests, provenance=made)
+    assert str(back.step) == "with k1_A"
+    assert back.after.coefficients["k1_A"].state == "fitted"
+    assert back.heldout.before == pytest.approx(with_offset.history[-1].refitted_nrmse)
+    assert with_powers_back(file, tests, provenance=made) is None
 
 
 def test_no_next_test_without_rivals(campaign):

@@ -12,6 +12,7 @@ STEPS = {
     "base series:1:3": LawStep(base="series:1:3"),
     "base series alone": LawStep(base="series", alone=True),
     "without k1_A and k3_A": LawStep(held=("k1_A", "k3_A")),
+    "with k1_A and k3_A": LawStep(freed=("k1_A", "k3_A")),
 }
 
 
