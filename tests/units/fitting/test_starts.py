@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from pipeclamp_identification.fitting.joint.starts import MOST_STARTS, Linearised, Term, combined, most_promising, sized
+from pipeclamp_identification.fitting.joint.starts import (
+    MOST_STARTS,
+    Linearised,
+    SizedEffect,
+    combined,
+    most_promising,
+    sized,
+)
 
 CHOICES = [[{name: float(value)} for value in range(count)] for name, count in (("a", 4), ("b", 1), ("c", 5), ("d", 3))]
 BEST = {"a": 2.0, "b": 0.0, "c": 3.0, "d": 1.0}
@@ -61,5 +68,5 @@ def term(start, asked):
 @pytest.mark.parametrize(("asked", "found"), [(0.02, 0.02), (1.0, 1.0), (50.0, 50.0), (0.0, 1.0), (-2.0, 1.0)])
 def test_a_start_is_as_large_as_the_data_ask_and_keeps_its_shape(asked, found):
     start = {"a": 2.0, "F": 40.0, "k": 10.0}
-    values, _ = sized(start, term(start, asked), {"a"}, [Term(["F", "k"], [])])
+    values, _ = sized(start, term(start, asked), {"a"}, [SizedEffect(["F", "k"], [])])
     assert values == pytest.approx({"a": 2.0, "F": 40.0 * found, "k": 10.0 * found})

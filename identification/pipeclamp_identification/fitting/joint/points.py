@@ -9,7 +9,14 @@ import numpy as np
 
 from pipeclamp_identification.fitting.joint.evaluator import Evaluator, Remembered, smoothing_of
 from pipeclamp_identification.fitting.joint.not_fitted import undetermined
-from pipeclamp_identification.fitting.joint.starts import Linearised, Term, Values, combined, sized, starts_of_effects
+from pipeclamp_identification.fitting.joint.starts import (
+    Linearised,
+    SizedEffect,
+    Values,
+    combined,
+    sized,
+    starts_of_effects,
+)
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -65,11 +72,11 @@ def sized_and_linearised(
     Arguments as for `sized_start`.
     """
     there = linearised(structure, observations, start)
-    terms = _unsized(structure, observations, known)
-    return sized(start, there, known, terms) if terms else (start, there)
+    effects = _unsized(structure, observations, known)
+    return sized(start, there, known, effects) if effects else (start, there)
 
 
-def _unsized(structure: Structure, observations: Observations, known: Collection[str]) -> list[Term]:
+def _unsized(structure: Structure, observations: Observations, known: Collection[str]) -> list[SizedEffect]:
     """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others.
 
     Where the residuals aren't linear in the force, one step doesn't tell how large it is: none then.
@@ -82,7 +89,7 @@ def _unsized(structure: Structure, observations: Observations, known: Collection
         parameters = [one for one in group if one.name not in known and one.name not in held]
         sizes = [one.name for one in parameters if grows_with_force(one.unit)]
         if sizes and len(parameters) > 1:  # the size of a single one is a fit's first step
-            found.append(Term(sizes, [one.name for one in parameters if one.name not in sizes]))
+            found.append(SizedEffect(sizes, [one.name for one in parameters if one.name not in sizes]))
     return found
 
 

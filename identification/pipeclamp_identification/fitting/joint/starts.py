@@ -63,31 +63,33 @@ class Linearised:
             return np.asarray(-(inverse @ (basis.T @ self.residual)) / norms)
 
 
-class Term(NamedTuple):
+class SizedEffect(NamedTuple):
     """The parameters of an effect: those that its force is in proportion to, together, and those that shape it."""
 
     sizes: Sequence[str]
     shapes: Sequence[str]
 
 
-def sized(start: Values, there: Linearised, known: Collection[str], terms: Sequence[Term]) -> tuple[Values, Linearised]:
-    """Give a start with each term's force as large as the data ask for, and of the shape that it had.
+def sized(
+    start: Values, there: Linearised, known: Collection[str], effects: Sequence[SizedEffect]
+) -> tuple[Values, Linearised]:
+    """Give a start with each effect's force as large as the data ask for, and of the shape that it had.
 
-    A term's force is in proportion to its forces, stiffnesses and masses together, so that one step of linear least
+    An effect's force is in proportion to its forces, stiffnesses and masses together, so that one step of linear least
     squares finds how large it is, the rest of the law following it. Where that is nothing, or the opposite, the start
     stays: from there a fit may find another shape.
 
     Args:
         start: a value for each parameter.
         there: the law linearised at the start.
-        known: parameters of the law that the terms join.
-        terms: the parameters of each term.
+        known: parameters of the law that the effects join.
+        effects: the parameters of each.
 
     Returns:
-        the start, and the law linearised there: what a term adds to the residuals, and what its shape changes in them,
-        grow with it.
+        the start, and the law linearised there: what an effect adds to the residuals, and what its shape changes in
+        them, grow with it.
     """
-    scaled = [[name for name in term.sizes if name in there.free] for term in terms]
+    scaled = [[name for name in effect.sizes if name in there.free] for effect in effects]
     ways = [sum((there.by(name) * start[name] for name in names), np.zeros_like(there.residual)) for names in scaled]
     law = [there.by(name) for name in there.free if name in known]
     change = Linearised((), there.residual, np.column_stack([*law, *ways])).step()
@@ -96,7 +98,7 @@ def sized(start: Values, there: Linearised, known: Collection[str], terms: Seque
         name: start[name] * size for names, size in zip(scaled, sizes, strict=True) if size != 1.0 for name in names
     }
     residual = there.residual + sum((size - 1) * way for size, way in zip(sizes, ways, strict=True))
-    slopes = {name: size for term, size in zip(terms, sizes, strict=True) for name in term.shapes}
+    slopes = {name: size for effect, size in zip(effects, sizes, strict=True) for name in effect.shapes}
     jacobian = there.jacobian * np.array([slopes.get(name, 1.0) for name in there.free])
     return {**start, **larger}, Linearised(there.free, residual, jacobian)
 
