@@ -22,7 +22,7 @@ from pipeclamp_models.realise.force import force_of_law
 FOLDS = 8
 OWN_GROUPS = {"temperature": "T", "density": "rho"}
 """Slow signals of groups that are left out but by further conditions."""
-CLOSELY = 1e-6
+FOLD_TOLERANCE = 1e-6
 """Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
 
 
@@ -207,7 +207,7 @@ def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most:
     for used, left_out in folds(groups, most):
         rows = widened.rows(used)
         own = None if factors is None else PooledObservations(rows, factors.rows(used))
-        refitted = fit(law.structure, own or rows, start=law.values, tolerance=CLOSELY)
+        refitted = fit(law.structure, own or rows, start=law.values, tolerance=FOLD_TOLERANCE)
         beyond = observations.rows(left_out)
         foretold = force_of_law(refitted.law, beyond.motion)
         shown: Array | float = 0.0

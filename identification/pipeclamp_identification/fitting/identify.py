@@ -52,7 +52,7 @@ from pipeclamp_models.realise.sizes import about
 
 Method = Literal["joint", "surfaces"]
 
-ROUGHLY = 1e-5
+FIRST_TOLERANCE = 1e-5
 """Tolerance of the fits that only serve to see what the law leaves over, and to come near."""
 ANOTHER_VALLEY = 2.0
 """Deviance by which a fit is likelier than another, what Akaike's criterion asks for a parameter more; by less both may
@@ -173,18 +173,20 @@ def fit_structure(
         if beside is not None:
             return beside
     rough = coarser(loops, observations) if equations.states else observations
-    first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
+    first = fit(structure, rough, start=begin, tolerance=FIRST_TOLERANCE, progress=progress)
     if has_groups(loops):
         found_near = unfitted(structure, observations, first.law.values) if equations.states else first
         beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, progress, tolerance)
         if beside is not None:
             return beside
     if equations.states or start:
-        near = fit(structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=ROUGHLY)
+        near = fit(
+            structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=FIRST_TOLERANCE
+        )
         if start:
             # Weights of scatter alone may have led a law that is known out of its valley into a poorer one.
             as_known = rough.with_discrepancy(unfitted(structure, rough, begin).law_force)
-            from_there = fit(structure, as_known, start=begin, tolerance=ROUGHLY, progress=progress)
+            from_there = fit(structure, as_known, start=begin, tolerance=FIRST_TOLERANCE, progress=progress)
             if rough.deviance(near.law_force) - rough.deviance(from_there.law_force) > ANOTHER_VALLEY:
                 first = near = from_there
         if equations.states:
@@ -219,7 +221,7 @@ def _fit_beside_groups(
         return None
     tell("fit beside the factors of groups")
     start = begin
-    for tolerance in (ROUGHLY, closely):
+    for tolerance in (FIRST_TOLERANCE, closely):
         widened = observations.with_discrepancy(law_force, factors.beside(law_force).force())
         pooled = PooledObservations(widened, factors)
         result = fit(structure, pooled, start=start, tolerance=tolerance, progress=tell)

@@ -24,7 +24,12 @@ from pipeclamp_identification.metrics_only.observations import MetricObservation
 from pipeclamp_identification.metrics_only.pairs import metric_pairs
 from pipeclamp_identification.metrics_only.screen import Look, look
 from pipeclamp_identification.metrics_only.thresholds import FEWEST_FREEDOMS, REAL_CHANCE
-from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY, fit_from_each, fit_to_metrics
+from pipeclamp_identification.metrics_only.valleys import (
+    CANDIDATE_TOLERANCE,
+    ROUGH_TOLERANCE,
+    fit_from_each,
+    fit_to_metrics,
+)
 from pipeclamp_identification.metrics_only.weighing import outdoes_in_fit
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.processes import Workers
@@ -80,7 +85,7 @@ def candidates_of(
     """
     lacks = partial(_lacks, observations=observations, smooth=smooth)
     workers.tell("law as it is")
-    law = judged_fit((), fit_to_metrics(structure, observations, {}, CLOSELY), observations)
+    law = judged_fit((), fit_to_metrics(structure, observations, {}, CANDIDATE_TOLERANCE), observations)
     refinements = [effect.refinement for effect in structure.all_effects() if effect.refinement]
     unseen = {refinement.name for refinement in refinements if not refinement.seen_in_metrics}
     known = candidate_names(structure, campaign.condition_columns, time_measured=campaign.time_measured)
@@ -115,7 +120,7 @@ def _from_another_valley(
     """Give the law as it is, fitted from where candidates ended that do best: they may have left a poor valley."""
     best = sorted(judged, key=lambda one: one.squares)[:ON_THE_WAY]
     starts = [law.result.law.values, *(law.structure.own(one.result.law.values) for one in best)]
-    return judged_fit((), fit_from_each(law.structure, observations, starts, CLOSELY), observations)
+    return judged_fit((), fit_from_each(law.structure, observations, starts, CANDIDATE_TOLERANCE), observations)
 
 
 def _looks(law: MetricJudged, names: Sequence[str], observations: MetricObservations, workers: Workers) -> list[Look]:
@@ -137,8 +142,8 @@ def _with(law: MetricJudged, observations: MetricObservations, thoroughly: bool,
     larger, start = with_effect(law.structure, entry.name), law.result.law.values
     # Not from the look's start alone: what one step promises doesn't tell which valley is deepest.
     if thoroughly:
-        return judged_fit(effects, fit_to_metrics(larger, observations, start, ROUGHLY), observations)
-    return judge_metrics(effects, larger, start, observations, ROUGHLY)
+        return judged_fit(effects, fit_to_metrics(larger, observations, start, ROUGH_TOLERANCE), observations)
+    return judge_metrics(effects, larger, start, observations, ROUGH_TOLERANCE)
 
 
 def _richest(

@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.joint.starts import SINGULAR_SHARE
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations, as_seen_at_few
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE, WRONG_AT_MOST_LOG
-from pipeclamp_identification.metrics_only.valleys import CLOSELY, LEFT_OUT
+from pipeclamp_identification.metrics_only.valleys import CANDIDATE_TOLERANCE, LEFT_OUT_TOLERANCE
 from pipeclamp_identification.signals.chances import of_larger_ratio
 from pipeclamp_identification.signals.levels import SAME_KELVIN, set_points
 from pipeclamp_identification.signals.orthonormal import orthonormal
@@ -119,7 +119,7 @@ def judge_metrics(
     structure: Structure,
     start: Mapping[str, float],
     observations: MetricObservations,
-    tolerance: float = CLOSELY,
+    tolerance: float = CANDIDATE_TOLERANCE,
 ) -> MetricJudged:
     """Fit a structure to metrics and say what speaks against it.
 
@@ -203,7 +203,7 @@ def _squares_left_out(
     structure: Structure, observations: MetricObservations, start: Mapping[str, float], fold: tuple[IntArray, IntArray]
 ) -> Array:
     used, left_out = fold
-    law = fit(structure, observations.rows(used), start=start, tolerance=LEFT_OUT).law
+    law = fit(structure, observations.rows(used), start=start, tolerance=LEFT_OUT_TOLERANCE).law
     beyond = observations.rows(left_out)
     logs = np.abs(beyond.logs(force_of_law(law, beyond.motion).force))
     return np.asarray(np.sum(np.fmin(logs, WRONG_AT_MOST_LOG) ** 2, axis=1))
@@ -318,8 +318,8 @@ def single_rows(larger: Fit, without: Structure, observations: MetricObservation
     def fits(rows: IntArray) -> tuple[Fit, Fit]:
         part = observations.rows(rows)
         return (
-            fit(without, part, start=values, tolerance=CLOSELY),
-            fit(structure, part, start=values, tolerance=CLOSELY),
+            fit(without, part, start=values, tolerance=CANDIDATE_TOLERANCE),
+            fit(structure, part, start=values, tolerance=CANDIDATE_TOLERANCE),
         )
 
     everything = np.arange(len(observations.dissipated_energy))

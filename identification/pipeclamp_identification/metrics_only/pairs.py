@@ -10,7 +10,7 @@ from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.evidence import MetricJudged, judged_fit
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_identification.metrics_only.screen import look
-from pipeclamp_identification.metrics_only.valleys import ROUGHLY, fit_from_each, sized_by_shares
+from pipeclamp_identification.metrics_only.valleys import ROUGH_TOLERANCE, fit_from_each, sized_by_shares
 from pipeclamp_models.base.processes import Workers
 from pipeclamp_models.law.law import with_effect
 
@@ -62,5 +62,5 @@ def _fitted_together(
     larger = with_effect(first.structure, second)
     # the law's own values may be what keeps both from their place: without any, too
     sized = (sized_by_shares(larger, observations, values) for values in (law.result.law.values, {}))
-    both = fit_from_each(larger, observations, (first.result.law.values, *sized), ROUGHLY)
+    both = fit_from_each(larger, observations, (first.result.law.values, *sized), ROUGH_TOLERANCE)
     return judged_fit((*first.effects, second), both, observations)

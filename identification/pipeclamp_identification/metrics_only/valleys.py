@@ -10,9 +10,9 @@ from pipeclamp_identification.metrics_only.observations import MetricObservation
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.law.law import Structure
 
-CLOSELY, ROUGHLY = 1e-7, 1e-4
-"""Tolerances: of a candidate's fit; of one that serves to choose between starts."""
-LEFT_OUT = 1e-6
+CANDIDATE_TOLERANCE, ROUGH_TOLERANCE = 1e-7, 1e-4
+"""Tolerances: of a candidate's fit; of one that serves to choose between starts, or begins where another ended."""
+LEFT_OUT_TOLERANCE = 1e-6
 """Of a fit that foretells left-out conditions, as of records. It begins at the fit to all: one that ends roughly hardly
 leaves it, and then its error on what was left out is that on what it was fitted to."""
 
@@ -60,7 +60,7 @@ def sized_by_shares(
         structure, observations: as for `fit_from_each`.
         start: values that this fit starts from.
     """
-    return fit(structure, observations.as_shares(), start=start, tolerance=ROUGHLY).law.values
+    return fit(structure, observations.as_shares(), start=start, tolerance=ROUGH_TOLERANCE).law.values
 
 
 def fit_to_metrics(

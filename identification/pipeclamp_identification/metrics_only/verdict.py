@@ -29,7 +29,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     NEARLY_ALL_SHARE,
     REAL_CHANCE,
 )
-from pipeclamp_identification.metrics_only.valleys import CLOSELY, ROUGHLY
+from pipeclamp_identification.metrics_only.valleys import CANDIDATE_TOLERANCE, ROUGH_TOLERANCE
 from pipeclamp_identification.metrics_only.weighing import MetricScales, MetricWeighed, weigh
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
@@ -241,8 +241,8 @@ def _tested_once(judged: MetricJudged, observations: MetricObservations) -> tupl
 def _again(observations: MetricObservations, few: MetricObservations, judged: MetricJudged) -> MetricJudged:
     """Refit a law to the metrics as they are weighted now: at few points of the cycle, and from there at all."""
     seen = as_seen_at_few(few, observations, judged.result.law)
-    near = fit(judged.structure, seen, start=judged.result.law.values, tolerance=CLOSELY).law.values
-    return judge_metrics(judged.effects, judged.structure, near, observations, ROUGHLY)
+    near = fit(judged.structure, seen, start=judged.result.law.values, tolerance=CANDIDATE_TOLERANCE).law.values
+    return judge_metrics(judged.effects, judged.structure, near, observations, ROUGH_TOLERANCE)
 
 
 def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array:
