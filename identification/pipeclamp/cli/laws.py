@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from pipeclamp_identification.workflow.tests import Tests
     from pipeclamp_models.law.file import LawFile, NamedKind, Provenance
 
-    Change = Callable[[LawFile, Tests, Provenance, Progress], Sequence[LawChange]]
+    LawChanger = Callable[[LawFile, Tests, Provenance, Progress], Sequence[LawChange]]
 
 app = typer.Typer()
 
@@ -289,12 +289,8 @@ def diagnose(
                 file, tests, campaign, auto, command=command_called(), declared=declarations, limits=reach,
                 workers=workers,
             )  # fmt: skip
-            file, found, ladder, rungs = (
-                settled.with_diagnosis(tests.name),
-                settled.found,
-                settled.ladder,
-                settled.words(),
-            )
+            file, found = settled.with_diagnosis(tests.name), settled.found
+            ladder, rungs = settled.ladder, settled.words()
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, workers=workers)
             ladder, rungs = (), []
@@ -385,7 +381,7 @@ def refit(
 
 
 def _change(
-    change: Change,
+    changer: LawChanger,
     title: str,
     law: str,
     campaign: Path,
@@ -403,7 +399,7 @@ def _change(
         file = opened_law(law)
         tests = read_and_tell(campaign, strict, tell)
         made = Provenance(command_called(), None if reproducible else now())
-        steps = change(file, tests, made, tell)
+        steps = changer(file, tests, made, tell)
     changed = steps[-1].after
     write_whole(output, law_text(changed))
     for step in steps:

@@ -12,7 +12,7 @@ from pipeclamp_models.base.digits import one_digit
 
 Side = Literal["pipe", "clamp", "measurement"]
 Values = tuple[float, ...]
-Change = Callable[[CoupledModel, Values], CoupledModel]
+ModelChange = Callable[[CoupledModel, Values], CoupledModel]
 
 LOG_FACTORS = (-1.2, -0.4, 0.4, 1.2)
 """Logarithms of factors at which a search begins: a quarter to four times what is stated."""
@@ -41,7 +41,7 @@ class Suspect:
     side: Side
     kind: str
     words: str
-    change: Change
+    change: ModelChange
     value_words: Callable[[Values, Values], str]
     starts: tuple[Values, ...]
     lower: Values

@@ -15,7 +15,7 @@ from pipeclamp_identification.attribution.suspect import (
     A_FACTOR,
     LARGEST_LOG_FACTOR,
     LOG_FACTORS,
-    Change,
+    ModelChange,
     Suspect,
     Values,
     ValueSearch,
@@ -265,7 +265,7 @@ def _damping(pipe: PipeDescription) -> Suspect:
         ratio = Damping(ratio=SMALL_RATIO * values[0])
         return replace(model, pipe=model.pipe.model_copy(update={"damping": ratio}))
 
-    change: Change = damped
+    change: ModelChange = damped
     value_words, search = partial(factor_words, "what is stated", 1.0, ""), A_FACTOR
     if stated.ratio:
         value_words = partial(factor_words, "", 100 * stated.ratio, "% of critical")
