@@ -43,6 +43,7 @@ class Level:
         low, high: the ends in words.
         rows: of the runs.
         known: whether the condition is known for them.
+        at_zero: whether they scatter about a set point of zero.
     """
 
     label: str
@@ -50,6 +51,7 @@ class Level:
     high: str
     rows: IntArray
     known: bool = True
+    at_zero: bool = False
 
 
 def number_levels(values: Array, *, relative: float | None = None, absolute: float = math.inf) -> tuple[Level, ...]:
@@ -71,31 +73,19 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         zero = _at_zero(rising)
         step[zero] = np.ptp(rising[zero]) if np.any(zero) else 0.0
     groups = np.split(np.arange(len(order)), np.flatnonzero(np.diff(rising) > step[1:]) + 1) if len(order) else []
-    wide = any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups)
-    points = np.array([0.0 if np.all(zero[group]) else np.mean(rising[group]) for group in groups])
-    if not wide and len(groups) > MOST_SET_POINTS:
-        classes = _classes([len(group) for group in groups])
-        ends = points[[place for one in classes for place in (one[0], one[-1])]]
-        texts = distinct_texts(_rounded(ends, told))
-        found = [
-            Level(
-                low if low == high else f"{low} to {high}", low, high, order[np.concatenate([groups[i] for i in one])]
-            )
-            for one, low, high in zip(classes, texts[::2], texts[1::2], strict=True)
-        ]
-    elif wide:
-        edges = np.unique(np.quantile(rising, np.arange(1, CLASSES_OF_MANY) / CLASSES_OF_MANY))
-        groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
-        groups = [group for group in groups if len(group)]
+    if any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups):
+        groups = _quantiles(rising)
         ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])
-        texts = distinct_texts(_rounded(ends.ravel(), told))
-        found = [
-            Level(low if low == high else f"{low} to {high}", low, high, order[group])
-            for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
-        ]
     else:
-        texts = distinct_texts(_rounded(points, told))
-        found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
+        points = np.array([0.0 if np.all(zero[group]) else np.mean(rising[group]) for group in groups])
+        classes = _classes([len(group) for group in groups])
+        ends = np.array([(points[places[0]], points[places[-1]]) for places in classes])
+        groups = [np.concatenate([groups[place] for place in places]) for places in classes]
+    texts = distinct_texts(_rounded(ends.ravel(), told))
+    found = [
+        Level(low if low == high else f"{low} to {high}", low, high, order[group], at_zero=bool(np.all(zero[group])))
+        for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
+    ]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
 
 
@@ -117,18 +107,28 @@ def _at_zero(values: Array) -> BoolArray:
     return small if scatter else np.zeros(len(values), dtype=np.bool_)
 
 
+def _quantiles(rising: Array) -> list[IntArray]:
+    """Give the places of rising values in classes of about as many, where no gaps part them."""
+    edges = np.unique(np.quantile(rising, np.arange(1, CLASSES_OF_MANY) / CLASSES_OF_MANY))
+    parts = np.split(np.arange(len(rising), dtype=np.intp), np.searchsorted(rising, edges))
+    return [places for places in parts if len(places)]
+
+
 def _classes(counts: Sequence[int]) -> list[IntArray]:
-    """Put set points into classes of about as many runs: whole ones, for runs at one setting belong together.
+    """Put many set points into classes of about as many runs: whole ones, for runs at one setting belong together.
 
     Args:
         counts: runs of each set point, rising.
 
     Returns:
-        places of the set points of each class.
+        places of the set points of each class; each is one of its own where they are few.
     """
-    middles = np.cumsum(counts) - np.array(counts) / 2
-    numbers = (middles * CLASSES_OF_MANY / np.sum(counts)).astype(np.intp)
-    return np.split(np.arange(len(counts), dtype=np.intp), np.flatnonzero(np.diff(numbers)) + 1)
+    numbers = np.arange(len(counts), dtype=np.intp)
+    if len(counts) > MOST_SET_POINTS:
+        middles = np.cumsum(counts) - np.array(counts) / 2
+        numbers = (middles * CLASSES_OF_MANY / np.sum(counts)).astype(np.intp)
+    parts = np.split(np.arange(len(counts), dtype=np.intp), np.flatnonzero(np.diff(numbers)) + 1)
+    return [places for places in parts if len(places)]
 
 
 def known_levels(values: Array) -> list[Level]:
@@ -144,13 +144,13 @@ def set_points(values: Array, absolute: float = np.inf) -> IntArray:
         absolute: by how much those of one set point differ at most, where they don't by `SAME_SHARE`.
     """
     numbers = np.arange(len(values), dtype=np.intp)
-    zero = np.zeros(len(values), dtype=np.bool_)
-    known = np.isfinite(values)
-    zero[known] = _at_zero(values[known])
     for level in number_levels(values, relative=SAME_SHARE, absolute=absolute):
-        reach = np.ptp(values[level.rows]) if level.known else 0.0
-        share = SAME_SHARE * float(np.max(np.abs(values[level.rows]))) if level.known else np.inf
-        if reach <= min(absolute, share) or np.all(zero[level.rows]):
+        together = values[level.rows]
+        if (
+            not level.known
+            or level.at_zero
+            or np.ptp(together) <= min(absolute, SAME_SHARE * float(np.max(np.abs(together))))
+        ):
             numbers[level.rows] = level.rows[0]
     return numbers
 
