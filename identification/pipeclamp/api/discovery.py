@@ -81,10 +81,7 @@ class Discovery(Shown):
 
     @cached_property
     def _next(self) -> str:
-        return after_discovery(
-            self.proposed, self._found.search.diagnosed, self.before.origin, self.tests.origin, "effect.toml", None,
-            instead=bool(self._found.spare), of_catalogue=self._found.instead,
-        )  # fmt: skip
+        return after_discovery(self._found, self.before.origin, self.tests.origin, "effect.toml", None)
 
     def view(self) -> View:
         """Give what `pipeclamp discover` tells."""

@@ -63,10 +63,7 @@ def discover(
             file, tests, command=command_called(), declared=declarations, workers=Workers(jobs, tell)
         )  # fmt: skip
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
-    following = after_discovery(
-        found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths,
-        instead=bool(found.spare), of_catalogue=found.instead,
-    )  # fmt: skip
+    following = after_discovery(found, law, str(campaign), str(output), str(auto) if auto else None, paths)
     if report:
         from pipeclamp.pages.discovery import discovery_page
         from pipeclamp.pages.page import write_report

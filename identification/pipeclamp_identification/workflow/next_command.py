@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_identification.workflow.tests import Diagnosed
 from pipeclamp_models.base.shell import shell_line
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.discovery.proposal import TermProposal
 
 NEXT_TEST = "next_test"
 """What the next test's drive signal and its campaign are called, where nobody has named them."""
@@ -81,37 +85,31 @@ def after_vain_addition(law: str, changed: str, effects: Sequence[str], tests: s
 
 
 def after_discovery(
-    proposed: bool,
-    found: Diagnosed,
+    proposal: TermProposal,
     law: str,
     tests: str,
     effect: str,
     following: str | None,
     declared: Mapping[str, str] | None = None,
-    *,
-    instead: bool = False,
-    of_catalogue: str = "",
 ) -> str:
     """Give the shell line to run after a discovery.
 
     Args:
-        proposed: whether a term was.
-        found: the diagnosis that the search began with.
+        proposal: what it came to.
         law, tests, declared: as for `next_command`.
         effect: the declaration's file.
         following: the file for the law with the term, where one is named.
-        instead: whether effects of the law go for the term, which `add` would leave there.
-        of_catalogue: the effect that takes the place of a term; empty where none does.
     """
-    if of_catalogue:
-        return shell_line("add", law, of_catalogue, tests, "-o", following or _following(law), "--as", "part")
-    if not proposed and found.verdict != "unknown":
-        return next_command(found, law, tests, declared)
-    if not proposed:
+    if proposal.instead:
+        return shell_line("add", law, proposal.instead, tests, "-o", following or _following(law), "--as", "part")
+    if not proposal.proposed:
+        found = proposal.search.diagnosed
+        if found.verdict != "unknown":
+            return next_command(found, law, tests, declared)
         return shell_line("compare", law, tests, "--report", "compare.html")
     if following:
         return after_change(following, tests)
-    if instead:
+    if proposal.spare:  # `add` would leave these in the law beside the term
         return shell_line("discover", law, tests, "-o", effect, "--auto", _following(law))
     return shell_line("add", law, effect, tests, "-o", _following(law))
 

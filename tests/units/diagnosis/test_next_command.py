@@ -2,6 +2,7 @@
 
 import shlex
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import pytest
 from typer.main import get_command
@@ -18,6 +19,11 @@ class Found:
     calls_for_a_term: bool = False
     kind: str | None = "cause"
     together: tuple[str, ...] = ()
+
+
+def searched(verdict, effects=(), *, term=False, spare=(), instead=""):
+    search = SimpleNamespace(diagnosed=Found(verdict, effects, calls_for_a_term=verdict == "unknown"))
+    return SimpleNamespace(search=search, proposed=term, spare=spare, instead=instead)
 
 
 @pytest.mark.parametrize(
@@ -58,21 +64,22 @@ def test_the_next_command(found, law, expected):
 
 
 def test_after_a_search_that_the_catalogue_made_needless_its_effect_is_added():
-    line = after_discovery(False, Found("missing", ("memory:2",)), "law.json", "tests", "term.toml", None)
+    line = after_discovery(searched("missing", ("memory:2",)), "law.json", "tests", "term.toml", None)
     assert line == "pipeclamp add law.json memory:2 tests -o law_2.json"
-    line = after_discovery(False, Found("unknown", calls_for_a_term=True), "law.json", "tests", "term.toml", None)
+    line = after_discovery(searched("unknown"), "law.json", "tests", "term.toml", None)
     assert line == "pipeclamp compare law.json tests --report compare.html"
 
 
 def test_after_a_search_that_gave_an_effect_this_is_added_as_a_part():
-    search = (False, Found("unknown"), "law.json", "tests", "term.toml")
-    line = after_discovery(*search, None, of_catalogue="bouc_wen")
+    search = (searched("unknown", instead="bouc_wen"), "law.json", "tests", "term.toml")
+    line = after_discovery(*search, None)
     assert line == "pipeclamp add law.json bouc_wen tests -o law_2.json --as part"
-    assert after_discovery(*search, "mine.json", of_catalogue="bouc_wen") == line.replace("law_2.json", "mine.json")
+    assert after_discovery(*search, "mine.json") == line.replace("law_2.json", "mine.json")
 
 
 def test_a_term_that_stands_in_the_place_of_effects_is_not_added_beside_them():
-    line = after_discovery(True, Found("unknown"), "law.json", "tests", "term.toml", None, instead=True)
+    replacing = searched("unknown", term=True, spare=("gap",))
+    line = after_discovery(replacing, "law.json", "tests", "term.toml", None)
     assert line == "pipeclamp discover law.json tests -o term.toml --auto law_2.json"
 
 
