@@ -270,7 +270,7 @@ def test_at_the_end_powers_of_the_amplitude_go_that_the_memory_spares(verdict, a
             step=step, after=law(*structure.effects), heldout=BeforeAfter(0.01, after), nrmse=BeforeAfter(0.01, 0.01)
         )
 
-    monkeypatch.setattr(climb, "exchange", held)
+    monkeypatch.setattr(change, "exchange", held)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert [rung.kind for rung in settled.ladder] == ends
     assert settled.found.verdict == verdict
