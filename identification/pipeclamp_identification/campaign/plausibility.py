@@ -121,6 +121,8 @@ def fundamental_of(record: Record, cycles: Cycles, known: CycleByCycle | None = 
 def even_force_of(record: Record, cycles: Cycles, shown: Fundamental) -> EvenForce:
     """Give what of a record's force is alike at both ends of a cycle.
 
+    Harmonics are fitted together, so that the mean beside a second one is another than that of `cycle_by_cycle`.
+
     Args:
         record: samples that `check_samples` has passed.
         cycles: its steady cycles.

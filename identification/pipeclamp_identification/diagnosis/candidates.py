@@ -85,10 +85,11 @@ def _worth_fitting(structure: Structure, promises: Sequence[Promise]) -> list[Pr
     One step may show what a general effect does and not what its special case would, once the law has moved to it.
     """
     ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
-    worth = max(WORTH_FITTING_SHARE * (promises[0].gain if promises else 0.0), 1e-300)
+    worth = WORTH_FITTING_SHARE * (promises[0].gain if promises else 0.0)
     leading = [with_effect(structure, promise.name).effect(promise.name) for promise in promises[:MOST_PAIRED]]
     asked = {*ids, *(simple for effect in leading for simple in effect.special_cases)}
-    return [promise for promise in promises if effect_id(promise.name) in asked and promise.gain >= worth]
+    gaining = [promise for promise in promises if promise.gain > 0 and promise.gain >= worth]
+    return [promise for promise in gaining if effect_id(promise.name) in asked]
 
 
 def _worth_growing(judged: Sequence[Judged]) -> list[Judged]:
@@ -112,16 +113,12 @@ def _closely_where_worth(
     contenders: Sequence[Contender], problem: Problem, law: Judged, workers: Workers
 ) -> list[Contender]:
     """Fit all roughly; give where to go on from, closely where a rough fit gains much of what the best one does."""
-    as_it_is = law.result.cost
     rough = _each_roughly(contenders, problem, workers)
-    most = max((as_it_is - result.cost for result in rough), default=0.0)
+    gains = [law.result.cost - result.cost for result in rough]
+    worth = WORTH_CLOSELY_SHARE * max(gains, default=0.0)
     return [
-        replace(
-            each,
-            starts=[result.values],
-            tolerance=CLOSELY if as_it_is - result.cost >= WORTH_CLOSELY_SHARE * most else ROUGHLY,
-        )
-        for each, result in zip(contenders, rough, strict=True)
+        replace(each, starts=[result.values], tolerance=CLOSELY if gain >= worth else ROUGHLY)
+        for each, result, gain in zip(contenders, rough, gains, strict=True)
     ]
 
 
@@ -211,30 +208,49 @@ def pairs(
         workers: who does it, and who is told.
     """
     contenders: list[Contender] = []
-    seen: set[frozenset[str]] = set()
+    tried: set[frozenset[str]] = set()
     firsts = best_of_each(sound)[:MOST_PAIRED]
     for first in firsts:
-        larger = with_effect(structure, first.effects[0])
         contenders += [each for _, each in _with_modifiers(structure, first, problem)]
-        seconds = [
-            beside(promise, first, law)
-            for promise in promises
-            if effect_id(promise.name) != effect_id(first.effects[0]) and fits_beside(larger, promise.name)
-        ]
-        tried: set[str] = set()
-        for _, start, second in sorted(seconds, key=lambda entry: -entry[0]):
-            both = frozenset((effect_id(first.effects[0]), effect_id(second.name)))
-            if both in seen or len(tried) == MOST_PAIRED:
-                continue
-            tried.add(second.name)
-            contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), [start]))
-        seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
+        promising = _with_promising(structure, first, law, promises, tried)
+        tried |= {_ids(*each.effects) for each in promising}
+        contenders += promising
     others = [one for one in best_of_each(usable) if not any(one is first for first in firsts)]
     further = [pair for first in others for pair in _with_modifiers(structure, first, problem)]
     contenders += [each for _, each in sorted(further, key=lambda pair: pair[0])[:MOST_PAIRED]]
     best = judge_each(_best_roughly(contenders, problem, workers), problem, workers)
     found = ranked(pair for pair in best if pair.may_be_cause)
     return each_larger_as_asked(found[:1], structure, problem, workers) + found[1:]
+
+
+def _with_promising(
+    structure: Structure, first: Judged, law: Judged, promises: Sequence[Promise], tried: Collection[frozenset[str]]
+) -> list[Contender]:
+    """Give the pairs of an effect with those that promise most beside it.
+
+    Args:
+        structure, law: what they join.
+        first: the law with the effect.
+        promises: what each effect promises by itself.
+        tried: pairs that another effect has brought, by their ids.
+    """
+    name = first.effects[0]
+    larger = with_effect(structure, name)
+    seconds = [
+        beside(promise, first, law)
+        for promise in promises
+        if effect_id(promise.name) != effect_id(name)
+        and _ids(name, promise.name) not in tried
+        and fits_beside(larger, promise.name)
+    ]
+    return [
+        Contender((name, second.name), with_effect(larger, second.name), [start])
+        for _, start, second in sorted(seconds, key=lambda entry: -entry[0])[:MOST_PAIRED]
+    ]
+
+
+def _ids(*names: str) -> frozenset[str]:
+    return frozenset(map(effect_id, names))
 
 
 def together_with_each(
@@ -273,7 +289,7 @@ def twins(
     pair: Judged,
     structure: Structure,
     problem: Problem,
-    candidates: Sequence[Judged],
+    singles: Sequence[Judged],
     workers: Workers,
 ) -> list[Judged]:
     """Fit what acts like one of two effects in its place, beside the other; give what isn't objected to, best first.
@@ -283,7 +299,7 @@ def twins(
     Args:
         pair: the law with the two.
         structure, problem: what they join.
-        candidates: every effect that was fitted by itself, best first.
+        singles: every effect that was fitted by itself, best first.
         workers: who does it, and who is told.
     """
     values = pair.result.law.values
@@ -292,7 +308,7 @@ def twins(
         one = pair.result.law.structure.effect(gone)
         alike = [
             each
-            for each in candidates
+            for each in singles
             if act_alike(one, name := each.effects[0])
             and effect_id(name) != effect_id(stays)
             and one.id not in structure.effect(name).special_cases  # a general effect fits as well by itself

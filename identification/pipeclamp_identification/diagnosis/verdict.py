@@ -109,7 +109,8 @@ class Diagnosis:
     @property
     def best(self) -> Judged:
         """The best law that was found: a pair, a candidate, or the law as it is."""
-        return _best(self.law, self.candidates, self.pair)
+        found = (self.law, *self.candidates, *([self.pair] if self.pair else []))
+        return min(found, key=lambda each: each.squares)
 
     @cached_property
     def best_misfits(self) -> tuple[RunMisfit, ...]:
@@ -229,10 +230,6 @@ def _tolerance(structure: Structure, problem: Problem, loops: Loops, proved: boo
     complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
     form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))
     return Tolerance(complete, form, max(complete, FORM_NOISE_SHARE), proved)
-
-
-def _best(law: Judged, judged: Sequence[Judged], pair: Judged | None) -> Judged:
-    return min([law, *judged, *([pair] if pair else [])], key=lambda each: each.squares)
 
 
 def _bare_lack(structure: Structure, problem: Problem) -> float:

@@ -386,8 +386,8 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[LawChange]]) -> list[Rung]
     *before, (first, *beside) = tried
     others = tuple(name for name in found.effects if name not in {steps[0].step.effect for steps in tried})
     alike = (_alike(others), _told_apart(found)) if others else ()
-    takes, last = found.rung(), [first, *beside][-1]
-    rung = (*takes[:1], *found.refitted(first.heldout.before, last.heldout.after), *takes[1:])
+    told, last = found.rung(), [first, *beside][-1]
+    rung = (*told[:1], *found.refitted(first.heldout.before, last.heldout.after), *told[1:])
     before_it = tuple(no_help(_in_vain(steps)) for steps in before) or rung
     proof = () if kind == "cause" or NO_PROOF in found.cautions() else (NO_PROOF,)  # one of several causes is a part
     needed = f"{first.step.effect} needs it beside it"
