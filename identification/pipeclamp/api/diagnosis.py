@@ -137,10 +137,10 @@ class Diagnosis(Shown):
     def page(self) -> Report:
         """Give the page, as `pipeclamp diagnose --report` writes it."""
         from pipeclamp.pages.page import Report
-        from pipeclamp.pages.sections import diagnosis_page
+        from pipeclamp.pages.sections import diagnosis_page, diagnosis_title
 
         sections = diagnosis_page(self.law.file, self._found, self.next_command, self._ladder)
-        return Report(f"Diagnosis of {self.law.name}", f"against {self.tests.name}", sections)
+        return Report(*diagnosis_title(self.law.file, self.tests.name), sections)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a candidate, best first: its error on left-out conditions, and the share that it explains."""

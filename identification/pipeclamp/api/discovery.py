@@ -91,14 +91,14 @@ class Discovery(Shown):
 
     def page(self) -> Report:
         """Give the page, as `pipeclamp discover --report` writes it."""
-        from pipeclamp.pages.discovery import discovery_page
+        from pipeclamp.pages.discovery import discovery_page, discovery_title
         from pipeclamp.pages.page import Report
 
         files = [self.before.file, *([self._found.after] if self._found.after else [])]
         with one_thread():
             laws = [(file, self.tests.tests.compare(file)) for file in files]
-        title = f"Discovery on {self.tests.name}"
-        return Report(title, f"what law {self.before.name} lacks", discovery_page(self._found, laws, self._next))
+        title = discovery_title(self.before.file, self.tests.name)
+        return Report(*title, discovery_page(self._found, laws, self._next))
 
     def __repr__(self) -> str:
         """Give the tests and what is proposed."""

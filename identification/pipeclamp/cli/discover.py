@@ -65,12 +65,12 @@ def discover(
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = after_discovery(found, law, str(campaign), str(output), str(auto) if auto else None, paths)
     if report:
-        from pipeclamp.pages.discovery import discovery_page
+        from pipeclamp.pages.discovery import discovery_page, discovery_title
         from pipeclamp.pages.page import write_report
 
         laws = [(one, tests.compare(one)) for one in (file, *([found.after] if found.after else []))]
-        title, about = f"Discovery on {tests.name}", f"what law {file.name} lacks"
-        write_report(report, title, about, discovery_page(found, laws, following), command_called())
+        sections = discovery_page(found, laws, following)
+        write_report(report, *discovery_title(file, tests.name), sections, command_called())
     if found.declaration is not None:
         write_whole(output, toml_of(found.declaration))
         if auto and found.after is not None:

@@ -299,10 +299,10 @@ def diagnose(
     view = diagnosis_view(found, ladder, following, drive)
     if report:
         from pipeclamp.pages.page import write_report
-        from pipeclamp.pages.sections import diagnosis_page
+        from pipeclamp.pages.sections import diagnosis_page, diagnosis_title
 
-        title, about = f"Diagnosis of {file.name}", f"against {tests.name}"
-        write_report(report, title, about, diagnosis_page(file, found, following, ladder), command_called())
+        sections = diagnosis_page(file, found, following, ladder)
+        write_report(report, *diagnosis_title(file, tests.name), sections, command_called())
     if drive and found.proposal:
         write_drive(found.proposal.plan.signal(), drive)
     if auto:

@@ -15,6 +15,11 @@ from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.file import LawFile
 
 
+def discovery_title(file: LawFile, tests: str) -> tuple[str, str]:
+    """Give title and subtitle of the page of a discovery of what a law lacks, on the tests of that name."""
+    return f"Discovery on {tests}", f"what law {file.name} lacks"
+
+
 def discovery_page(proposal: TermProposal, laws: Sequence[tuple[LawFile, Held]], next_command: str) -> list[Section]:
     """Give the page of a discovery.
 

@@ -128,6 +128,11 @@ def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:
     return f"{len(files)} laws against {tests}", "; ".join(labels_of(files))
 
 
+def diagnosis_title(file: LawFile, tests: str) -> tuple[str, str]:
+    """Give title and subtitle of the page of a law's diagnosis on the tests of that name."""
+    return f"Diagnosis of {file.name}", f"against {tests}"
+
+
 def diagnosis_page(file: LawFile, found: Diagnosed, next_command: str, ladder: Sequence[Rung] = ()) -> list[Section]:
     """Give the page of a diagnosis, with the command to run next below its verdict.
 
