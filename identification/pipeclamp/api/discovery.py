@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeclamp.api.law import Law, opened
-from pipeclamp.api.shown import PathOrName, Shown, declarations_of, file_of, processes
+from pipeclamp.api.shown import PathOrName, Shown, called_from_python, declarations_of, file_of, processes
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.discovery.proposal import TermProposal, toml_of
@@ -105,6 +105,7 @@ class Discovery(Shown):
         return f"<discovery on {self.tests.name}: {self.formula if self.proposed else 'nothing proposed'}>"
 
 
+@called_from_python()
 @one_thread()
 def discover(
     law: Law | PathOrName,
