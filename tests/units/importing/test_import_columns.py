@@ -176,6 +176,7 @@ def test_times_of_channels_are_not_the_channels():
             "",
             r"2 channels may be the displacement.*\n.*--columns",
         ),
+        (["Time [s]", "Axial Force [mm]", "Axial Force [N]"], "", "in a unit of displacement, but is called a force"),
         (["Time (s)", "y (mm)", "Ch3 (V)"], "", "no channel is called a force or is in a unit of one"),
         (["Time (s)", "y (mm)", "Load (V)"], "", r"'V' is no unit of force: .*force=Load \(V\) \[1 N\]"),
         (["Time (s)", "y (mm)", "Load [foo]"], "", r"no known unit is stated of 'Load \[foo\]'"),

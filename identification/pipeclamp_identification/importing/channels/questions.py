@@ -236,8 +236,19 @@ def _why_missing(quantity: Quantity, table: RawTable, stated: Mapping[str, str])
     if texts:
         return f"{texts[-1].words()}, so there is no {quantity}: export it as numbers"
     other = next((one.heading for one in table.channels if one.heading in stated and rank(quantity, one)), None)
+    if other is None and (called := _called_otherwise(quantity, table.channels)):
+        return called
     why = f"no {'other ' if other else ''}channel is called a {quantity} or is in a unit of one"
     return why if other is None else f"--columns states {other!r} as {stated[other]}, and {why}"
+
+
+def _called_otherwise(quantity: Quantity, channels: Sequence[Channel]) -> str:
+    """Say which channel is in a unit of a quantity, but is called another one; "" where none is."""
+    for one in channels:
+        other = next((other for other in OURS if is_of_another(other, one)), None)
+        if other and quantity_of_unit(unit_of(one)) == quantity:
+            return f"{one.heading!r} is in a unit of {quantity}, but is called a {other}"
+    return ""
 
 
 def _rises(values: Array) -> bool:
