@@ -76,9 +76,9 @@ LAWS: dict[str, Beyond] = {
         Kind(plain.shifted_flow), "F = F_m tanh(v/v_s + b tanh(y/y_s))",
         "Kwok, Ha, Nguyen, Li and Samali 2006, Sens. Actuators A 132(2), their sgn(y) made smooth", DAMPER, ELEMENT,
     ),
-    "cooperative_arm": _law(
-        Kind(states.cooperative_arm), "dF/dt = k (v - v_e sinh(F/F_e)^3)",
-        "Fotheringham and Cherry 1978, J. Mater. Sci. 13: their dashpot, of three segments", ELEMENT,
+    "gliding_arm": _law(
+        Kind(states.gliding_arm), "dF/dt = k (v - v_g exp(-F_e/|F|) sgn(F))",
+        "Johnston and Gilman 1959, J. Appl. Phys. 30(2): the speed of dislocations", ELEMENT, DAMPER,
     ),
     "viscoplastic": _law(
         Kind(states.viscoplastic), "dF/dt = k (v - v_p sgn(F) (|F|/F_y - 1)+)", "Perzyna 1966, Adv. Appl. Mech. 9",

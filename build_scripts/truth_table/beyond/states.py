@@ -8,10 +8,10 @@ from truth import T0, Array, BaseLaw, Motion, Part, relieved
 
 from beyond.plain import SLIDES, SPEED
 
-SEGMENTS = 3
-"""Of a polymer, which move at once where it flows."""
+GLIDES = 60.0
+"""Speed that no force exceeds, over that at which the flow of other laws is stated."""
 STEEPEST = 40.0
-"""Force over that of activation beyond which flow is as fast as there."""
+"""Force of activation over a force below which flow is as slow as there."""
 ACTIVATION = 1000.0
 """K."""
 PARTS_OF_STEP = 4
@@ -20,12 +20,12 @@ DIRECTLY, WITH_AGE = 0.06, 0.2
 """Shares by which friction grows with the logarithm of the speed and of the age of its contacts."""
 
 
-def cooperative_arm(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A spring in series with a dashpot that flows where several segments of a polymer move at once."""
-    force, speed = size * typical(base), shape["speed"]
+def gliding_arm(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A spring in series with what flows as dislocations glide: hardly under a small force, never beyond a speed."""
+    force, speed = size * typical(base), GLIDES * shape["speed"]
 
     def flow(q: Array) -> Array:
-        return speed * np.sinh(np.clip(q / force, -STEEPEST, STEEPEST)) ** SEGMENTS
+        return speed * np.sign(q) * np.exp(-force / np.maximum(np.abs(q), force / STEEPEST))
 
     return Part(force=relieved(motion, 3 * force / shape["limit"], flow, force))
 

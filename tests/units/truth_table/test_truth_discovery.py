@@ -13,7 +13,7 @@ STEP_ERROR = 2e-3
 """Share of the force (rms) by which the fine steps of the truth err: half of the least noise."""
 LAWS = (
     "detents", "bimetal_stop", "bumpers", "thickening_paste", "melting_wax", "cavitating_film", "barrel",
-    "jammed_paste", "struck_pad", "shifted_flow", "cooperative_arm", "viscoplastic", "elastic_bristles", "flag",
+    "jammed_paste", "struck_pad", "shifted_flow", "gliding_arm", "viscoplastic", "elastic_bristles", "flag",
     "hardening_plastic", "wire_rope", "setting_paste", "ageing_contacts", "warm_arm", "rubber_friction",
     "overshooting_friction", "glass_transition", "payne", "moving_peak", "running_in", "field_friction",
 )  # fmt: skip
@@ -84,7 +84,9 @@ def slides(q, v):
 
 
 STATES = {
-    "cooperative_arm": (lambda q, v: 15 * (v - np.sinh(q) ** 3), lambda q, y: q, 0.0),
+    "gliding_arm": (
+        lambda q, v: 15 * (v - 60 * np.sign(q) * np.exp(-1 / max(abs(q), 0.025))), lambda q, y: q, 0.0,
+    ),
     "viscoplastic": (lambda q, v: 5 * (v - 5.0 * np.sign(q) * max(abs(q) - 1, 0.0)), lambda q, y: q, 0.0),
     "elastic_bristles": (
         lambda q, v: v / 0.08 * (1 - slides(q, v) * abs(q) / held_at(v)), lambda q, y: q, 0.0,
