@@ -14,7 +14,6 @@ from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer
-from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun, left_out_runs
 from pipeclamp_models.law.file import NamedKind, Verdict
 
@@ -165,9 +164,7 @@ def diagnosis_answer(found: RecordDiagnosed, ladder: tuple[RungAnswer, ...], nex
         screened_out=diagnosis.screened_out,
         nrmse=LawErrors(
             law=found.comparison.nrmse,
-            best=overall_nrmse(diagnosis.best_misfits)
-            if diagnosis.best is not diagnosis.law
-            else found.comparison.nrmse,
+            best=found.best_nrmse,
             noise=found.comparison.noise_nrmse,
         ),
         noise_of="cycles" if found.knows_scatter else "samples",
@@ -202,7 +199,8 @@ def _remains(diagnosis: Diagnosis) -> RemainsAnswer | None:
     if named is None:
         return None
     leftover = diagnosis.leftover
-    where = leftover.lines if diagnosis.is_adequate(named) else (*leftover.words, *leftover.lines)
+    of_lines = leftover.words_of_lines
+    where = of_lines if diagnosis.is_adequate(named) else (*leftover.words, *of_lines)
     return RemainsAnswer(force_N=named.lack.rms, noise_share=named.lack.share, where=where)
 
 

@@ -104,6 +104,12 @@ class RecordDiagnosed:
             return {} if self._errs_less is None else self.diagnosis.law.result.law.values
         return named.result.law.values
 
+    @property
+    def best_nrmse(self) -> float:
+        """Error over all runs of the best law that was found; of the law as it is, by its file's values."""
+        as_it_is = self.diagnosis.best is self.diagnosis.law
+        return self.comparison.nrmse if as_it_is else overall_nrmse(self.diagnosis.best_misfits)
+
     @cached_property
     def _errs_less(self) -> float | None:
         """Error of the law as it is with the values by which it was judged; None where that is hardly less."""
@@ -242,12 +248,12 @@ class RecordDiagnosed:
         if self.verdict == "complete":
             return apart
         if diagnosis.is_adequate(described):
-            return (*apart, *leftover.lines)
+            return (*apart, *leftover.words_of_lines)
         law = f"with {' and '.join(described.effects)}" if described.effects else "as it is"
         lack = described.lack
         times = f"{lack.share:.2g} times {self.noise_name}"
         left = f"the law {law} leaves {newtons(lack.rms)} that follow the conditions, {times}"
-        return (left, *apart, *leftover.words, *leftover.lines)
+        return (left, *apart, *leftover.words, *leftover.words_of_lines)
 
     @cached_property
     def _run_apart(self) -> RunApart | None:

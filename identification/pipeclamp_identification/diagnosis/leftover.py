@@ -20,7 +20,9 @@ from pipeclamp_models.base.arrays import Array, BoolArray
 from pipeclamp_models.base.said import few_of
 
 SAMPLES_PER_CYCLE = 360
+"""Points along the cycle at which the leftover is drawn: one a degree."""
 STRONGEST = 3
+"""Parts of harmonics that are named, largest first."""
 SMALLEST_NAMED = 0.03
 """Harmonics with less of the whole than this are left out of the words."""
 END_DEG = 25.0
@@ -36,6 +38,7 @@ MOST_TRENDS = 2
 MOST_LINES_NAMED = 4
 """Lines that are named one by one."""
 NEIGHBOURS = 30
+"""Bins on either side of a line that say what noise makes there."""
 NEAREST = 3
 """Bins nearer to a line than this hold some of the line itself."""
 LOBE = 1.6
@@ -44,12 +47,12 @@ FEWEST_NEIGHBOURS = 8
 """Bins on either side from which a line's neighbouring level is told."""
 FEWEST_SHARE = 0.2
 """A line must be looked for in this share of the runs."""
-
-
 HALVES = np.array([0.5, 1.5, 2.5])
+"""Multiples of the drive's frequency, of which a force follows the motion, but not every cycle alike."""
 FEWEST_CYCLES_BESIDE_HALVES = 4
 """Cycles from which on there are multiples of the record's length beside the halves."""
 FEWEST_RUNS_WITH_LINES = 4
+"""Runs that must have been looked at: a line of fewer may be one run's own."""
 MOST_CYCLES, MOST_SAMPLES = 100, 100_000
 """Of a record, in which halves and lines are looked for: an hour's record would take more memory than there is."""
 
@@ -60,7 +63,7 @@ class Leftover:
 
     Attributes:
         words: sentences on what repeats with each cycle, most important first.
-        lines: sentences on what doesn't.
+        words_of_lines: sentences on what doesn't.
         phase: degrees of the cycle after the largest displacement, shape (n,).
         shape: rms over runs of the residual force along the cycle, N, shape (n,).
         time_locked_Hz: frequencies of lines that don't repeat with the motion.
@@ -68,7 +71,7 @@ class Leftover:
     """
 
     words: tuple[str, ...]
-    lines: tuple[str, ...]
+    words_of_lines: tuple[str, ...]
     phase: Array
     shape: Array
     time_locked_Hz: tuple[float, ...]
@@ -97,20 +100,28 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     # An average leaves noise with zeros of its own, beside which anything looks like a line.
     smoothed = bool(campaign.smoothing.force)
     lines = () if smoothed else time_locked_lines(campaign, misfits)
+    fractions = () if smoothed else fractional_lines(campaign, misfits)
     found, varied = (_harmonic_words(judged), _place_words(shape, phase)), _varied(problem.loops)
     words = (*found, *_condition_words(residual, varied), *_trend_words(residual, varied, problem.noise.directions))
-    not_periodic = []
-    if lines:
-        named = few_of([f"{line:.2f} Hz" for line in lines], MOST_LINES_NAMED)
-        not_periodic.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
-        not_periodic += harmonics_at(lines[:MOST_LINES_NAMED], problem.loops)
-    fractions = () if smoothed else fractional_lines(campaign, misfits)
-    if fractions:
-        named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
-        not_periodic.append(
-            f"a force at {named} times the drive's frequency: it follows the motion, but not every cycle alike"
-        )
-    return Leftover(words, tuple(not_periodic), phase, shape, lines, fractions)
+    of_lines = (*_time_locked_words(lines, problem.loops), *_fractional_words(fractions))
+    return Leftover(words, of_lines, phase, shape, lines, fractions)
+
+
+def _time_locked_words(lines: Sequence[float], loops: Loops) -> list[str]:
+    """Say at which frequencies, Hz, lines don't repeat with the motion, and which runs' loops hold them."""
+    if not lines:
+        return []
+    named = few_of([f"{line:.2f} Hz" for line in lines], MOST_LINES_NAMED)
+    words = f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles"
+    return [words, *harmonics_at(lines[:MOST_LINES_NAMED], loops)]
+
+
+def _fractional_words(fractions: Sequence[float]) -> list[str]:
+    """Say at which multiples of the drive's frequency, not whole, there are lines."""
+    if not fractions:
+        return []
+    named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
+    return [f"a force at {named} times the drive's frequency: it follows the motion, but not every cycle alike"]
 
 
 def harmonics_at(lines: Sequence[float], loops: Loops) -> list[str]:

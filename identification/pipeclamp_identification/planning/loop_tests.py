@@ -26,9 +26,10 @@ from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.bands.varied import SHARE_OF_PARAMETER, VariedLaw
 
-LEVELS_OF_A_AND_F = 7
+PLANNED_LEVELS_OF_A_AND_F = 7
 """Of amplitude and of frequency at which tests are sought."""
-LEVELS_OF_T = 4
+PLANNED_LEVELS_OF_T = 4
+"""Of temperature."""
 RIG = TestPlan()
 """What a rig is taken for where nothing tells."""
 
@@ -146,9 +147,11 @@ def loop_tests(
     """
     profile, file = PROFILES[SINE], law.file
     levels = {
-        "A": np.geomspace(limits.amplitude[0], limits.amplitude[1] / profile.peak_displacement, LEVELS_OF_A_AND_F),
-        "f": np.geomspace(limits.frequency[0], limits.frequency[1], LEVELS_OF_A_AND_F),
-        "T": np.linspace(*limits.temperature, LEVELS_OF_T),
+        "A": np.geomspace(
+            limits.amplitude[0], limits.amplitude[1] / profile.peak_displacement, PLANNED_LEVELS_OF_A_AND_F
+        ),
+        "f": np.geomspace(limits.frequency[0], limits.frequency[1], PLANNED_LEVELS_OF_A_AND_F),
+        "T": np.linspace(*limits.temperature, PLANNED_LEVELS_OF_T),
     }
     for name, values in levels.items():
         interval = file.range.get(name)

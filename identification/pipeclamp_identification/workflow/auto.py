@@ -13,6 +13,7 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 
 MOST_RUNGS = 12
+"""Rungs that a way up the ladder has at most."""
 OTHER_WAY_SHARE = 0.5
 """Another effect is worth a way of its own where it takes this share at least of what the best one does."""
 

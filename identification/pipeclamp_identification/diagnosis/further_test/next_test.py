@@ -33,7 +33,9 @@ from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import about
 
 LEVELS_OF_A_AND_F = 6
+"""Amplitudes, and frequencies, between the limits that tests are looked at at."""
 LEVELS_OF_T = 4
+"""Temperatures between them."""
 SURE_DEVIATIONS = 8.0
 """Standard deviations between two rivals from which on a test is sure to tell."""
 NEARLY_LOG_CHANCE = 0.8

@@ -24,7 +24,9 @@ from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import about
 
 HARMONICS_FORETOLD = 12
+"""Of the force of a proposed test, in which rivals are told apart."""
 CYCLES_OF_A_TEST = 5
+"""Cycles of each of its runs, over which noise is averaged."""
 RUNS_OF_A_TEST = 3
 """Runs of a proposed test: what scatters from run to run shows in repeats only."""
 LEAST_DEVIATIONS = 2.0
@@ -32,7 +34,9 @@ LEAST_DEVIATIONS = 2.0
 TELLING_SHARE = 1e-12
 """Share of what tests tell best below which they tell nothing: rounding."""
 RIDING_SHARE = 0.25
+"""Amplitude of the small cycles that may ride on a large one, as a share of its."""
 RIDING_ORDER = 7
+"""So many of them a cycle."""
 SINE, RIDDEN = "sine", "small cycles on a large one"
 PROFILES = {
     SINE: Profile("a sine test", ((1, 1.0),)),

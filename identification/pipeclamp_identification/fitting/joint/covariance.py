@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array, IntArray
 
-ALONE_SHARE = 1e-6
+FROM_OTHERS_SHARE = 1e-6
 """A direction of the parameters that the other runs determine to less than this share: nothing is seen without it."""
 
 LARGEST_ERROR = 1e150
@@ -71,5 +71,5 @@ def moved_by_runs(jacobian: Array, inverse: Array, residual: Array) -> Array:
     by_run = jacobian @ root
     leverages, directions = np.linalg.eigh(by_run.transpose(0, 2, 1) @ by_run)
     pulls = np.einsum("rpd,rp->rd", directions, np.einsum("rmp,rm->rp", by_run, residual))
-    moved = np.where(leverages < 1 - ALONE_SHARE, pulls / np.maximum(1 - leverages, ALONE_SHARE), 0.0)
+    moved = np.where(leverages < 1 - FROM_OTHERS_SHARE, pulls / np.maximum(1 - leverages, FROM_OTHERS_SHARE), 0.0)
     return np.asarray(np.sum((root @ np.einsum("rpd,rd->pr", directions, moved)) ** 2, axis=1))
