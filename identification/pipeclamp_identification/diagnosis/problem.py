@@ -279,30 +279,44 @@ def judge(
         against_noise, plain, problem.noise, problem.smooth, problem.directed, problem.loops.scatter_rms_N
     )
     beyond = float(problem.excess_squares(score)[left_out].sum())
-    missing = max(beyond, lack.excess * np.count_nonzero(left_out))
+    heldout_by, over_range = _further_errors(without, score, problem)
+    price = _price_of_free_means(result, problem)
+    return Judged(
+        effects=effects,
+        result=replace(result, law_force=replace(result.law_force, jacobian=None)),
+        fitted=fitted,
+        score=replace(score, squares=score.squares + price, axes=problem.axes),
+        lack=lack,
+        missing=max(beyond, lack.excess * np.count_nonzero(left_out)),
+        heldout_nrmse=share_of_force(score.mean_squares, problem.loops, left_out),
+        heldout_by=heldout_by,
+        over_range=over_range,
+        objections=objections(effects, result),
+        reservations=(*reservations(effects, result), *of_groups(effects, structure, problem.factors)),
+        akaike=2 * result.cost + float(price.sum()) + 2 * len(result.fitted),
+    )
+
+
+def _further_errors(
+    without: WithoutGroups, score: LeftOutScore, problem: Problem
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Give a law's errors on other groups that are left out, and over all levels of further conditions; see `Judged`.
+
+    Args:
+        without: the law's fit, prepared for leaving groups out.
+        score: how it foretells the groups of A and f.
+        problem: the data.
+    """
     scores = {name: without.score(groups) for name, groups in problem.further_groups.items()}
-    further = {
+    heldout_by = {
         name: share_of_force(scores[name].mean_squares, problem.loops, groups >= 0)
         for name, groups in problem.further_groups.items()
     }
-    over_range = {
-        name: share_of_force(
-            np.where(ends, score.mean_squares, scores[name].mean_squares),
-            problem.loops,
-            ends | (problem.further_groups[name] >= 0),
-        )
-        for name, ends in problem.ends.items()
-    }
-    error = share_of_force(score.mean_squares, problem.loops, left_out)
-    price = _price_of_free_means(result, problem)
-    score = replace(score, squares=score.squares + price, axes=problem.axes)
-    akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
-    lean = replace(result, law_force=replace(result.law_force, jacobian=None))
-    return Judged(
-        effects, lean, fitted, score, lack, missing, error, further, over_range,
-        objections(effects, result), (*reservations(effects, result), *of_groups(effects, structure, problem.factors)),
-        akaike,
-    )  # fmt: skip
+    over_range = {}
+    for name, ends in problem.ends.items():
+        squares = np.where(ends, score.mean_squares, scores[name].mean_squares)
+        over_range[name] = share_of_force(squares, problem.loops, ends | (problem.further_groups[name] >= 0))
+    return heldout_by, over_range
 
 
 class RoughFit(NamedTuple):
