@@ -272,7 +272,8 @@ def diagnose(
     from pipeclamp_identification.campaign.drive import refuse_drive_name, write_drive
     from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
-    from pipeclamp_models.law.declaration_files import read_declaration, read_effects
+    from pipeclamp_models.law.declaration import merged
+    from pipeclamp_models.law.declaration_files import read_declaration
     from pipeclamp_models.law.file import law_text
 
     spare(campaign, *(declared or ()), outputs=(json, report, drive, auto))
@@ -281,7 +282,8 @@ def diagnose(
         refuse_drive_name(drive)
     with showing_progress("diagnose") as tell:
         file = opened_law(law)
-        _, declarations = read_effects((), declared or ())
+        own = {path: read_declaration(path) for path in declared or ()}
+        declarations = merged((), own.values())
         tests = read_and_tell(campaign, strict, tell)
         reach, workers = parse_limits(limits) if limits else None, Workers(jobs, tell)
         if auto:
@@ -294,7 +296,7 @@ def diagnose(
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, workers=workers)
             ladder, rungs = (), []
-    paths = {read_declaration(path).id: str(path) for path in declared or ()}
+    paths = {declaration.id: str(path) for path, declaration in own.items()}
     following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
     view = diagnosis_view(found, ladder, following, drive)
     if report:
