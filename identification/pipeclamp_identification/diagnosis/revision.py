@@ -170,9 +170,8 @@ def better_structures(asked: RevisedLaw, names: Collection[str] | None, workers:
     """Give the law with another of its effects' family in one's place, or on another base, where it does better.
 
     To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt, and not
-    in mean forces that it leaves open. A base
-    that does so with the law's effects is also given alone, after that: they may have made up for the base that the
-    law had, and what nothing needs goes astray on left-out conditions.
+    in mean forces that it leaves open. A base that does so with the law's effects is also given alone, after that: they
+    may have made up for the base that the law had, and what nothing needs goes astray on left-out conditions.
 
     Args:
         asked: the law.

@@ -238,28 +238,42 @@ def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scale
     if not found or not scales.explains(found[0]):
         return None
     pair = found[0]
-    together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+    does = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
     foretells = share_of_error(pair, scales.law) >= HALF_TAKEN_SHARE
     kind: NamedKind = "cause" if foretells and is_adequate(pair.lack, scales.tolerance) else "part"
     likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
     able = [name for name in first_of_pairs(likely, sound, scales) if helps_alone(name, sound, scales.law)]
     if not able:
-        return named_together(pair, sound, kind, together, scales)
+        return named_together(pair, sound, kind, does, scales)
     # beside another an effect may have grown; what is said is of the one by itself
     alone = [next(one for one in sound if effect_id(one.effects[0]) == effect_id(name)) for name in able]
     named, firsts = alone[0], [one.effects[0] for one in alone]
     if len(firsts) > 1:
-        reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
+        reason = f"{does}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
-    both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
-    second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
-    by_itself = explained_share(named, scales.law)
-    part, together = told_apart(by_itself, explained_share(pair, scales.law))
+    reason = _first_of_two_words(named, pair, likely, kind, scales.law)
+    return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
+
+
+def _first_of_two_words(named: Judged, pair: Judged, likely: Sequence[Judged], kind: NamedKind, law: Judged) -> str:
+    """Say what the first of two effects takes by itself, and what may stand beside it.
+
+    Args:
+        named: the law with the first effect.
+        pair: the law with the best two.
+        likely: laws with two effects that can't be told from it.
+        kind: how the first is meant.
+        law: the law as it is.
+    """
+    first = named.effects[0]
+    with_first = (each.effects for each in likely if effect_id(first) in map(effect_id, each.effects))
+    second = " or ".join(distinct(name for both in with_first for name in both if effect_id(name) != effect_id(first)))
+    by_itself = explained_share(named, law)
+    part, whole = told_apart(by_itself, explained_share(pair, law))
     takes = part if by_itself >= NEXT_TO_NOTHING else "next to nothing"
     # of parts nothing shows how many effects stand behind them
-    does = f"two effects are missing: {firsts[0]} first, which takes" if kind == "cause" else f"{firsts[0]} takes"
-    reason = f"{does} {takes} by itself; with {second} beside it {together} is explained"
-    return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
+    does = f"two effects are missing: {first} first, which takes" if kind == "cause" else f"{first} takes"
+    return f"{does} {takes} by itself; with {second} beside it {whole} is explained"
 
 
 def unless_another_does(found: Weighed, like: Sequence[Judged]) -> Weighed:
