@@ -7,9 +7,9 @@ import io
 import itertools
 import math
 import re
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from os.path import commonprefix
 from pathlib import Path
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
@@ -151,7 +151,7 @@ def guessed_pattern(
 ) -> str:
     """Propose a pattern that all names of files follow, "" for none.
 
-    Numbers are looked for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count
+    Names are compared as far as they are alike: behind it, those of repeats say which one they are. Numbers are looked for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count
     where they vary. What varies without a meaning parts a name; the part that states most is taken.
 
     Args:
@@ -161,9 +161,7 @@ def guessed_pattern(
     """
     if not stems:
         return ""
-    skeletons = Counter(re.sub(NUMBER, "#", stem) for stem in stems)
-    if len(skeletons) > 1:
-        return ""
+    stems = _alike(stems)
     numbers = list(zip(*(re.findall(NUMBER, stem) for stem in stems), strict=False))
     pieces = re.split(NUMBER, stems[0])
     fields: list[str] = []
@@ -187,6 +185,15 @@ def guessed_pattern(
         for place in range(first, last + 1)
     )
     return (begin[0] if begin else "") + middle + _unit_of(fields[last], pieces[last + 1])
+
+
+def _alike(stems: Sequence[str]) -> list[str]:
+    """Give the beginnings of names that differ in nothing but their numbers."""
+    split = [re.split(f"({NUMBER})", stem) for stem in stems]
+    between = list(zip(*(parts[::2] for parts in split), strict=False))
+    same = next((place for place, texts in enumerate(between) if len(set(texts)) > 1), len(between) - 1)
+    tail = commonprefix(between[same])
+    return ["".join(parts[: 2 * same]) + tail for parts in split]
 
 
 def _unit_of(field: str, after: str) -> str:
