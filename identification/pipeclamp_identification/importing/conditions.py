@@ -9,13 +9,12 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from os.path import commonprefix
 from pathlib import Path
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
 from pipeclamp_identification.importing.channels.naming import names_specimen, setting_called
 from pipeclamp_identification.importing.raw import Damaged, without_controls
-from pipeclamp_identification.importing.texts.above import temperature_above
+from pipeclamp_identification.importing.texts.above import numbers_above, temperature_above
 from pipeclamp_identification.importing.texts.decoding import decoded
 from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, further_quantity, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -151,8 +150,9 @@ def guessed_pattern(
 ) -> str:
     """Propose a pattern that all names of files follow, "" for none.
 
-    Names are compared as far as they are alike: behind it, those of repeats say which one they are. Numbers are looked for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count
-    where they vary. What varies without a meaning parts a name; the part that states most is taken.
+    Names are compared as far as they are alike: behind it, those of repeats say which one they are. Numbers are looked
+    for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count where they vary. What
+    varies without a meaning parts a name; the part that states most is taken.
 
     Args:
         stems: the names, without endings.
@@ -192,7 +192,8 @@ def _alike(stems: Sequence[str]) -> list[str]:
     split = [re.split(f"({NUMBER})", stem) for stem in stems]
     between = list(zip(*(parts[::2] for parts in split), strict=False))
     same = next((place for place, texts in enumerate(between) if len(set(texts)) > 1), len(between) - 1)
-    tail = commonprefix(between[same])
+    alike = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*between[same], strict=False))
+    tail = "".join(letters[0] for letters in alike)
     return ["".join(parts[: 2 * same]) + tail for parts in split]
 
 
@@ -243,6 +244,11 @@ def of_properties(properties: Mapping[str, object]) -> Settings:
                 if NOT_SHOWN[quantity] < number < math.inf:
                     found[column] = rounded(number)
     return found
+
+
+def numbers_of_properties(properties: Mapping[str, object]) -> dict[str, str]:
+    """Give numbers with a unit that a file's own properties state, by name and unit."""
+    return numbers_above([name, without_controls(str(value))] for name, value in properties.items())
 
 
 def read_conditions(path: Path) -> dict[str, Settings]:
