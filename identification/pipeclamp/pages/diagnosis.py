@@ -29,7 +29,10 @@ RECORDS_JOIN = "Once it is run, pipeclamp import makes a campaign of its records
 def diagnosis_answer(answer: RecordDiagnosed) -> Section:
     """Give the first section of a diagnosis: its verdict, and why."""
     words = [answer.headline(), *before_physics(answer)]
-    reasons = (*answer.reasons(), *answer.untested(), *answer.cautions(), *answer.farthest_off())
+    reasons = (
+        *answer.reasons(), *answer.other_values(), *answer.untested(), *answer.cautions(), *answer.farthest_off(),
+        *answer.few_levels(),
+    )  # fmt: skip
     words += [sentence(word) for word in reasons]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")

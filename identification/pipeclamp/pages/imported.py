@@ -186,10 +186,11 @@ def _joined(spans: list[tuple[float, float]], near: float) -> list[tuple[float, 
 def overview_picture(overview: Overview, *, timed: bool = True) -> go.Figure:
     """Draw a table's displacement over time, or in its order where none was measured; runs and what was cut marked."""
     time = np.repeat(overview.time, 2)
+    # where the motion goes down, a stretch begins at its largest value: the line would have a tooth there otherwise
+    falls = np.gradient(overview.displacement.mean(axis=1)) < 0 if len(overview.time) > 1 else np.zeros(1, dtype=bool)
+    drawn = np.where(falls[:, None], overview.displacement[:, ::-1], overview.displacement)
     figure = go.Figure(
-        go.Scatter(
-            x=time, y=overview.displacement.ravel(), mode="lines", line={"color": MEASURED, "width": 1}, name="y"
-        )
+        go.Scatter(x=time, y=drawn.ravel(), mode="lines", line={"color": MEASURED, "width": 1}, name="y")
     )
     near = float(np.ptp(overview.time)) / FINEST
     figure.update_layout(

@@ -185,7 +185,7 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
     long = [run for run in runs if len(run.by_cycle.force) >= FEWEST_CYCLES_THAT_DRIFT]
     if not long:
         return {}
-    series = []
+    series, units = [], []
     for run in long:
         A, F = run.amplitudes
         y, force, k = run.by_cycle.displacement, run.by_cycle.force, run.by_cycle.stiffness
@@ -204,7 +204,8 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
                 ]
             )
         )
-    changes = _changes(series)
+        units.append(np.array([F, A, abs(mean.real) * A, abs(mean.imag) * A, A, F, A]))
+    changes = _changes(series, units)
     found = {}
     for row, run in enumerate(long):
         usual = complex(np.mean(run.by_cycle.stiffness))
@@ -233,17 +234,24 @@ def _lines(series: Array) -> tuple[Array, Array]:
     return slopes, np.sum(rest**2, axis=1)
 
 
-def _changes(runs: Sequence[Array]) -> list[list[Change]]:
+def _changes(runs: Sequence[Array], units: Sequence[Array]) -> list[list[Change]]:
     """Give the changes of each run's series, (series, cycles), from its first cycle to its last by lines.
 
-    Their scatter is partly that of all runs together.
+    Their scatter is partly that of all runs together: as shares, or in N and mm where that makes more of it. A sensor's
+    noise doesn't grow with the loop, so of a small one it is a larger share than of most.
+
+    Args:
+        runs: shares, as they follow from cycle to cycle.
+        units: what a share of one is of each series in N or mm, shape (series,), of each run.
     """
     lines = [_lines(series) for series in runs]
     left = [rest / (series.shape[1] - 2) for series, (_, rest) in zip(runs, lines, strict=True)]
-    pooled = np.median(left, axis=0)
+    of_share = np.median(left, axis=0)
+    of_sensor = np.median([rest * unit**2 for rest, unit in zip(left, units, strict=True)], axis=0)
     shared = POOLED_FREEDOMS if len(runs) > 1 else 0.0
     changes = []
-    for series, (slopes, rest) in zip(runs, lines, strict=True):
+    for series, (slopes, rest), unit in zip(runs, lines, units, strict=True):
+        pooled = np.maximum(of_share, of_sensor / np.where(unit > 0, unit, np.inf) ** 2)
         count = series.shape[1]
         freedoms = count - 2 + shared
         spread = count * (count**2 - 1) / 12

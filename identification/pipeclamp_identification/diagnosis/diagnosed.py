@@ -232,7 +232,7 @@ class RecordDiagnosed:
         error, own = f"{self._errs_less:.2%}", f"{overall_nrmse(self.comparison.runs):.2%}"
         return (
             f"the verdict is on other values of its parameters, with which the law errs by {error} of the force, "
-            f"not {own}: `diagnose --auto` fits it from these",
+            f"not {own}: `refit` fits it to these tests, or to these and its own where `join` puts both together",
         )
 
     def untested(self) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ import io
 import itertools
 import math
 import re
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -15,7 +14,7 @@ from pathlib import Path
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
 from pipeclamp_identification.importing.channels.naming import names_specimen, setting_called
 from pipeclamp_identification.importing.raw import Damaged, without_controls
-from pipeclamp_identification.importing.texts.above import temperature_above
+from pipeclamp_identification.importing.texts.above import numbers_above, temperature_above
 from pipeclamp_identification.importing.texts.decoding import decoded
 from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, further_quantity, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -151,8 +150,9 @@ def guessed_pattern(
 ) -> str:
     """Propose a pattern that all names of files follow, "" for none.
 
-    Numbers are looked for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count
-    where they vary. What varies without a meaning parts a name; the part that states most is taken.
+    Names are compared as far as they are alike: behind it, those of repeats say which one they are. Numbers are looked
+    for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count where they vary. What
+    varies without a meaning parts a name; the part that states most is taken.
 
     Args:
         stems: the names, without endings.
@@ -161,9 +161,7 @@ def guessed_pattern(
     """
     if not stems:
         return ""
-    skeletons = Counter(re.sub(NUMBER, "#", stem) for stem in stems)
-    if len(skeletons) > 1:
-        return ""
+    stems = _alike(stems)
     numbers = list(zip(*(re.findall(NUMBER, stem) for stem in stems), strict=False))
     pieces = re.split(NUMBER, stems[0])
     fields: list[str] = []
@@ -187,6 +185,16 @@ def guessed_pattern(
         for place in range(first, last + 1)
     )
     return (begin[0] if begin else "") + middle + _unit_of(fields[last], pieces[last + 1])
+
+
+def _alike(stems: Sequence[str]) -> list[str]:
+    """Give the beginnings of names that differ in nothing but their numbers."""
+    split = [re.split(f"({NUMBER})", stem) for stem in stems]
+    between = list(zip(*(parts[::2] for parts in split), strict=False))
+    same = next((place for place, texts in enumerate(between) if len(set(texts)) > 1), len(between) - 1)
+    alike = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*between[same], strict=False))
+    tail = "".join(letters[0] for letters in alike)
+    return ["".join(parts[: 2 * same]) + tail for parts in split]
 
 
 def _unit_of(field: str, after: str) -> str:
@@ -236,6 +244,11 @@ def of_properties(properties: Mapping[str, object]) -> Settings:
                 if NOT_SHOWN[quantity] < number < math.inf:
                     found[column] = rounded(number)
     return found
+
+
+def numbers_of_properties(properties: Mapping[str, object]) -> dict[str, str]:
+    """Give numbers with a unit that a file's own properties state, by name and unit."""
+    return numbers_above([name, without_controls(str(value))] for name, value in properties.items())
 
 
 def read_conditions(path: Path) -> dict[str, Settings]:

@@ -111,6 +111,7 @@ class RawTable:
         labels: columns that hold nothing but text: they may tell runs apart, and name them.
         properties: that the file states of the table beside its channels, by name.
         above: what lines above it state of the temperature.
+        stated_above: other numbers that they state, by name and unit.
     """
 
     name: str
@@ -123,6 +124,7 @@ class RawTable:
     joined: tuple[str, ...] = ()
     properties: Mapping[str, object] = field(default_factory=dict)
     above: Above | None = None
+    stated_above: Mapping[str, str] = field(default_factory=dict)
     group: str = ""
 
     @property

@@ -34,6 +34,9 @@ def next_command(
         effects = ",".join((declared or {}).get(name, name) for name in found.together or found.effects)
         meant = ("--as", "part") if found.kind == "part" else ()
         return shell_line("add", law, effects, tests, "-o", _following(law), *meant)
+    if found.verdict == "complete" and found.values:
+        # what is complete is the law with other values than its file's
+        return shell_line("refit", law, tests, "-o", _following(law))
     if found.verdict == "complete":
         return shell_line("build-fmu", law, "-o", f"{stem_of(law)}.fmu", "--track")
     if found.proposal:

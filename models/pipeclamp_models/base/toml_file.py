@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -35,6 +35,8 @@ ShortName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=
 MOST_LEVELS = 30
 """Levels of tables and lists in one another; no description has more than a few."""
 
+MOST_OTHERS = 4
+"""Places with further problems that are named."""
 VARIANT = "("
 """What the tag of a union's variant begins with, so that it stays out of the place that an error names."""
 
@@ -190,16 +192,15 @@ def validated(content: Any, model: type[Model], where: str) -> Model:
 
 
 def explained(error: ValidationError) -> str:
-    """Give the first problem of a validation in words: its place, what was got, how many more there are."""
-    first = error.errors(include_url=False)[0]
-    place = ""
-    for part in first["loc"]:
-        if isinstance(part, int):
-            place += f"[{part + 1}]"
-        elif not part.startswith(VARIANT):
-            place += f".{part}" if place else part
-    place = _short(place, 80) or "the file as a whole"
-    others = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
+    """Give the first problem of a validation in words: its place, what was got, where others are."""
+    first, *more = error.errors(include_url=False)
+    place = _place(first["loc"])
+    found = [place]
+    for one in more:
+        # of a place that may hold one of several kinds, each kind has its own problem there or below
+        if not (other := _place(one["loc"])).startswith(tuple(found)):
+            found.append(other)
+    others = f" (also to mend: {few_of(found[1:], most=MOST_OTHERS)})" if len(found) > 1 else ""
     kind, given = first["type"], first["input"]
     if kind in ("missing", "extra_forbidden"):
         return f"{place}: {'is missing; expected it there' if kind == 'missing' else 'is no key that is known'}{others}"
@@ -212,6 +213,17 @@ def explained(error: ValidationError) -> str:
         return f"{place}: {nested if is_nested else got}; expected {expected}{others}"
     message = _short(first["msg"].removeprefix("Value error, "), 200)
     return f"{place}: {message}{'' if is_nested else f', {got}'}{others}"
+
+
+def _place(location: Sequence[int | str]) -> str:
+    """Give the place of a problem as a file's reader writes it: "clamps[2].law"."""
+    place = ""
+    for part in location:
+        if isinstance(part, int):
+            place += f"[{part + 1}]"
+        elif not part.startswith(VARIANT):
+            place += f".{part}" if place else part
+    return _short(place, 80) or "the file as a whole"
 
 
 EXPECTED = {

@@ -14,8 +14,9 @@ import pytest
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import find_cycles
-from pipeclamp_identification.campaign.drifting import chance_of
+from pipeclamp_identification.campaign.drifting import Watched, chance_of, drifting
 from pipeclamp_identification.campaign.faults import SensorFailure
+from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 
@@ -73,6 +74,24 @@ def test_a_mean_that_follows_the_speed_of_a_sweep_is_no_drifting_zero(tmp_path, 
 
 def _size(force):
     return np.ptp(force) / 2
+
+
+def _of_one_cell(rng, force_noise=0.2):
+    """Runs without faults, of forces that differ widely, all with the noise of one load cell, N."""
+    runs = []
+    for place, (A, F) in enumerate([(1.0, 12.0), (2.0, 80.0), (3.0, 150.0), (4.0, 400.0)] * 12):
+        noise = rng.standard_normal((4, 5))
+        y = np.stack([1e-4 * noise[0], A + 1e-3 * noise[1]], axis=1).astype(complex)
+        loop = F * np.exp(0.2j) + force_noise * rng.standard_normal(5)
+        force = np.stack([force_noise * noise[2], loop + 1j * force_noise * noise[3]], axis=1)
+        runs.append(Watched(f"r{place}", 0.0, 1.0, A, {}, CycleByCycle(y, force)))
+    return runs
+
+
+def test_the_noise_of_a_load_cell_is_no_drift_of_the_smallest_loops():
+    rng = np.random.default_rng(1)
+    alarms = sum(bool(drifting(_of_one_cell(rng))) for _ in range(300))
+    assert alarms <= 3  # 5 kinds of 1 in 1000 each; were scatter but a share, one in 20 campaigns
 
 
 def test_a_campaign_without_faults_has_none():

@@ -1,7 +1,7 @@
 """The command that a diagnosis ends with can be run as it stands."""
 
 import shlex
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import pytest
@@ -19,6 +19,7 @@ class Found:
     calls_for_a_term: bool = False
     kind: str | None = "cause"
     together: tuple[str, ...] = ()
+    values: dict[str, float] = field(default_factory=dict)
 
 
 def searched(verdict, effects=(), *, term=False, spare=(), instead=""):
@@ -45,6 +46,7 @@ def searched(verdict, effects=(), *, term=False, spare=(), instead=""):
             "pipeclamp add law.json gap,my/bracket.toml tests -o law_2.json",
         ),
         (Found("complete"), "clamp.json", "pipeclamp build-fmu clamp.json -o clamp.fmu --track"),
+        (Found("complete", values={"k10": 2.0}), "clamp.json", "pipeclamp refit clamp.json tests -o clamp_2.json"),
         (Found("ambiguous", proposal="a sine"), "law.json", "pipeclamp diagnose law.json tests --drive next_test.csv"),
         (Found("ambiguous"), "law.json", "pipeclamp compare law.json tests --report compare.html"),
         (Found("unknown"), "law.json", "pipeclamp compare law.json tests --report compare.html"),

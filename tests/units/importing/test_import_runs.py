@@ -359,6 +359,12 @@ def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
         (["joint_20c", "joint_40c"], "joint_{temperature_C}c", {"temperature_C": 20.0}),
         (["test_001", "test_002"], "", {}),
         (["A1_f1", "B1_f1"], "", {}),
+        (["A1_f3", "A2_f3", "A1_f3_rep2"], "A{amplitude_mm}_f{frequency_Hz}", {"amplitude_mm": 1.0,
+         "frequency_Hz": 3.0}),
+        (["A1mm_5Hz W2", "A2mm_5Hz"], "A{amplitude_mm}mm_{frequency_Hz}Hz", {"amplitude_mm": 1.0,
+         "frequency_Hz": 5.0}),
+        (["T20_A1", "T40_sweep"], "T{temperature_C}", {"temperature_C": 20.0}),
+        (["A1", "A1_f3", ""], "", {}),
     ],
 )  # fmt: skip
 def test_patterns_are_guessed(stems, pattern, first):

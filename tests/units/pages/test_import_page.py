@@ -25,3 +25,10 @@ def test_seconds_that_nobody_measured_are_not_drawn(timed, along):
     shown = Overview("A1", time, np.stack([np.sin(time) - 0.1, np.sin(time)], axis=1), (("A1", 0.0, 9.0),), ())
     axis = overview_picture(shown, timed=timed).layout.xaxis
     assert (axis.title.text, axis.showticklabels) == (along, timed)
+
+
+def test_a_line_that_falls_is_drawn_without_teeth():
+    """Of stretches of one and of two samples, as a record a little longer than its picture has them."""
+    least, largest = np.array([[4.0, 4.0], [2.0, 3.0], [1.0, 1.0], [-1.0, 0.0]]).T
+    picture = overview_picture(Overview("A1", np.arange(4.0), np.stack([least, largest], axis=1), (), ()))
+    assert np.all(np.diff(picture.data[0].y) <= 0)

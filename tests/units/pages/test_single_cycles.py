@@ -12,7 +12,8 @@ from pipeclamp.show.diagnosis import diagnosis_view
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
-from pipeclamp_identification.diagnosis.diagnosed import diagnosed
+from pipeclamp_identification.comparison.sentences import sentence
+from pipeclamp_identification.diagnosis.diagnosed import RecordDiagnosed, diagnosed
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_models.law.file import Provenance
 
@@ -67,3 +68,13 @@ def test_multiples_of_noise_say_which_noise_is_meant(complete):
         assert times in text and ("within a cycle" in text) == single
     for text in (terminal, page, " ".join(answer["reasons"])):
         assert ("the noise meant is that between the samples of a cycle" in text) == single
+
+
+def test_the_page_says_of_a_complete_law_what_the_terminal_says(complete, monkeypatch):
+    """Once the page left out that nothing shows what a law does between three levels of a bolt's torque."""
+    monkeypatch.setattr(RecordDiagnosed, "few_levels", lambda found: ("three levels of torque",))
+    monkeypatch.setattr(RecordDiagnosed, "other_values", lambda found: ("on other values",))
+    terminal, page, _ = told(complete[0])
+    for words in ("three levels of torque", "on other values"):
+        assert words in terminal
+        assert sentence(words) in page

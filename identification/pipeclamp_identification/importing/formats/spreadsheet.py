@@ -24,7 +24,7 @@ from pipeclamp_identification.importing.raw import (
     Unread,
     refuse_rows,
 )
-from pipeclamp_identification.importing.texts.above import temperature_above
+from pipeclamp_identification.importing.texts.above import numbers_above, temperature_above
 from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_identification.importing.texts.sniffing import (
     CLEAR,
@@ -177,6 +177,7 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
     header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
     names, units, titles = names_above(header[-HEADER_ROWS:], wide)
     _refuse_other_columns(name, cells, first, names, units)
+    above = [row for row in header if not is_header(row, names)]
     body = _Body(cells, first, names, _with_seconds(units, cells, places), places)
     return [
         RawTable(
@@ -187,7 +188,8 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
             body.unread(),
             body.labels(),
             tuple(titles[place] for place in places),
-            above=temperature_above(row for row in header if not is_header(row, names)),
+            above=temperature_above(above),
+            stated_above=numbers_above(above),
         )
     ]
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.importing.raw import Above, Channel, Damaged, Format, RawTable, Unread, refuse_rows
-from pipeclamp_identification.importing.texts.above import temperature_above
+from pipeclamp_identification.importing.texts.above import numbers_above, temperature_above
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
 from pipeclamp_identification.importing.texts.labels import Labels
@@ -253,6 +253,8 @@ class _Columns:
             for place in sorted(blank)
         ]
         above = self._above(blocks)
+        # of several tables below each other nobody knows whether the header's numbers hold for all
+        numbers = numbers_above(self._cells(self._header)) if len(blocks) == 1 else {}
         return [
             RawTable(
                 name,
@@ -263,6 +265,7 @@ class _Columns:
                 tuple(replace(column, values=column.values[first:last]) for column in labels.values()),
                 tuple(layout.titles[place] for place in numeric),
                 above=own,
+                stated_above=numbers,
             )
             for name, own, (first, last) in zip(self._names(blocks), above, blocks, strict=True)
         ]

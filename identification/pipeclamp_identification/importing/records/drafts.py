@@ -79,6 +79,7 @@ class TakenTable:
         joined: what was done to put its channels on one time.
         stated: of its runs, by the file's properties.
         above: what stands above it of the temperature.
+        stated_above: other numbers that stand there or in the file's properties, by name and unit.
         taken: what became of it.
     """
 
@@ -89,6 +90,7 @@ class TakenTable:
     joined: tuple[str, ...]
     stated: Settings
     above: Above | None
+    stated_above: Mapping[str, str]
     taken: TakenPart
 
 

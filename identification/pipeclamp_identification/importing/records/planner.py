@@ -25,6 +25,7 @@ from pipeclamp_identification.importing.records.all_runs import (
 )
 from pipeclamp_identification.importing.records.drafts import KnownFile, TakenFile, TakenTable, is_timed
 from pipeclamp_identification.importing.records.named_run import Called, NamedRun, name_part, named_run
+from pipeclamp_identification.importing.records.settings_above import StatedAbove, settings_above_words
 from pipeclamp_identification.importing.records.taking import OURS, Way, taken_files
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
@@ -111,6 +112,7 @@ class _Planner:
         self._notes: list[str] = []
         self._alike: dict[str, list[str]] = {}
         self._unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
+        self._above: list[StatedAbove] = []
         self._untimed: list[str] = []
 
     def add(self, path: Path, file: TakenFile) -> None:
@@ -139,6 +141,7 @@ class _Planner:
                     self.note(words)
                 runs.append(run)
             self._runs += runs
+            self._above.append(StatedAbove(table.stated_above, tuple(run.planned.row for run in runs)))
             self._cut += [
                 ImportedCut(file=called, table=table.name, samples=one.samples, why=one.why) for one in table.taken.cut
             ]
@@ -200,6 +203,8 @@ class _Planner:
         for headings, (mapped, files) in self._unused.items():
             if headings:
                 self._notes.append(unused_words(files, headings, mapped))
+        for words in settings_above_words([one for one in self._above if one.runs]):
+            self.note(words)
         for words in conditions_words(options.conditions, runs, {*again, *(Path(name).stem for name in again)}):
             self.note(words)
         notes = (*listed_why([(one.file, one.why) for one in left_out]), *self._notes)

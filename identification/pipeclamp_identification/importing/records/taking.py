@@ -23,7 +23,7 @@ from pipeclamp_identification.importing.channels.mapping import Open, mapped_tab
 from pipeclamp_identification.importing.channels.naming import SEGMENT
 from pipeclamp_identification.importing.channels.questions import MOST_FALLS, NONE
 from pipeclamp_identification.importing.channels.traces import first_motion, label_column, segment_of, time_of
-from pipeclamp_identification.importing.conditions import of_properties
+from pipeclamp_identification.importing.conditions import numbers_of_properties, of_properties
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.records.drafts import KnownFile, TakenFile, TakenPart, TakenTable, is_timed
@@ -108,7 +108,8 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         # who states that there is none means that above the table, too
         none = any(one.ours == "temperature" and one.channel.casefold() == NONE for one in way.columns)
         above = None if none else table.above
-        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, above, taken))
+        numbers = {**table.stated_above, **numbers_of_properties(table.properties)}
+        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, above, numbers, taken))
     first, mapped = used.tables[0]
     above_first = [tables[0].above.words] if tables[0].above else []
     file = ImportedFile(

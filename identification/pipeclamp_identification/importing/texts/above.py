@@ -1,4 +1,4 @@
-"""A temperature that stands above a table, "Prüftemperatur;23;°C": whether it is that of the test, by its name."""
+"""What stands above a table: "Prüftemperatur;23;°C", whether it is that of the test, by its name; other numbers."""
 
 from __future__ import annotations
 
@@ -41,6 +41,16 @@ class _Statement:
     line: str
 
 
+@dataclass(frozen=True)
+class _Number:
+    """A number as a line states it, with its name, its unit ("" for none), and the line."""
+
+    name: str
+    number: str
+    unit: str
+    line: str
+
+
 def temperature_above(rows: Iterable[Sequence[str]]) -> Above | None:
     """Give what rows above a table state of the test's temperature; None where they don't.
 
@@ -60,14 +70,30 @@ def temperature_above(rows: Iterable[Sequence[str]]) -> Above | None:
     return None
 
 
-def _statement(row: Sequence[str]) -> _Statement | None:
+def numbers_above(rows: Iterable[Sequence[str]]) -> dict[str, str]:
+    """Give numbers with a unit that rows above a table state, by name and unit, "Schraubenmoment [Nm]".
+
+    Args:
+        rows: of cells, or of a whole line each.
+    """
+    found = [_number(row) for row in rows]
+    return {f"{one.name} [{one.unit}]": one.number for one in found if one and one.unit}
+
+
+def _number(row: Sequence[str]) -> _Number | None:
     # a header's cells may be parted otherwise than the table's
     text = " ".join(re.split(r"[;\t|\s]+", " ".join(row).strip("#%!*;,|\t ")))
     if len(text) > LONGEST or not (found := STATEMENT.fullmatch(text)):
         return None
     name, own = unit_in_name(found["name"].rstrip(". "))
-    stated = (found["unit"] or own).strip("[]()<>; ")
-    words = words_of(name)
+    return _Number(name, found["number"], (found["unit"] or own).strip("[]()<>; "), text)
+
+
+def _statement(row: Sequence[str]) -> _Statement | None:
+    if not (found := _number(row)):
+        return None
+    stated, text = found.unit, found.line
+    words = words_of(found.name)
     if not _is_temperature(words, stated) or not OTHERS.isdisjoint(set(words) - ASKED):
         return None
     others = [other for other in map(_beside, words) if other]
@@ -77,7 +103,7 @@ def _statement(row: Sequence[str]) -> _Statement | None:
     if quantity_of_unit(stated) != "temperature":
         return None
     turned = conversion("temperature", stated)
-    number = float(found["number"].replace(",", ".").replace("\N{MINUS SIGN}", "-"))
+    number = float(found.number.replace(",", ".").replace("\N{MINUS SIGN}", "-"))
     value = rounded(turned.factor * number + turned.offset)
     return _Statement(value, is_of_test, text) if -CELSIUS < value < math.inf else None
 
