@@ -33,6 +33,7 @@ from pipeclamp_models.base.digits import newtons
 from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, NamedKind, Verdict, law_of, structure_of
+from pipeclamp_models.law.law import Structure
 
 HEADLINES: dict[tuple[Verdict, NamedKind | None], str] = {
     ("complete", None): "Complete: what is left is {}.",
@@ -295,7 +296,7 @@ def diagnosed(
     declared: Collection[Declaration] = (),
     limits: Limits | None = None,
     workers: Workers = ALONE,
-    prepared: Callable[[], Prepared] | None = None,
+    prepared: Callable[[Structure, Mapping[str, float]], Prepared] | None = None,
 ) -> RecordDiagnosed:
     """Diagnose the law of a parameter file on a campaign; declared effects are candidates too.
 
@@ -308,7 +309,7 @@ def diagnosed(
         declared: a user's own effects.
         limits: what the rig can do.
         workers: who does it, and who is told.
-        prepared: gives `problem.prepare` of the law, where it may be known already.
+        prepared: gives `problem.prepare` of a structure and values to start from, where it may be known already.
 
     Raises:
         UserError: the data can't serve the law.

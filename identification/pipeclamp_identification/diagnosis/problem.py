@@ -38,7 +38,7 @@ from pipeclamp_models.realise.force import LawForce
 
 CLOSELY = 1e-5
 """Tolerance of a candidate's fit: a step that gains less is far below what any verdict asks."""
-FROM_NEAR = 1e-4
+NEARBY_TOLERANCE = 1e-4
 """Tolerance of a fit to all points of the cycle that begins where the fit to few of them ended."""
 ROUGHLY = 1e-4
 """Tolerance of the fits that only tell the best of several starts, or of several pairs."""
@@ -267,7 +267,7 @@ def judge(
     start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).values
     if structure.equations.states:
         start = fit(structure, problem.coarse, start=start, tolerance=tolerance).law.values
-        tolerance = max(tolerance, FROM_NEAR)
+        tolerance = max(tolerance, NEARBY_TOLERANCE)
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise, fitted.factors) if problem.discrepancy else fitted

@@ -149,7 +149,7 @@ def diagnose(
     start: Mapping[str, float] | None = None,
     proved: bool = True,
     workers: Workers = ALONE,
-    prepared: Callable[[], Prepared] | None = None,
+    prepared: Callable[[Structure, Mapping[str, float]], Prepared] | None = None,
 ) -> Diagnosis:
     """Find which effect a law lacks.
 
@@ -160,7 +160,7 @@ def diagnose(
         start: values of the law's parameters to start from, by name, where they are known.
         proved: whether nothing of the law was added as a mere part.
         workers: who does it, and who is told.
-        prepared: gives `prepare` of the law, where it may be known already.
+        prepared: gives `prepare` of a structure and values to start from, where it may be known already.
 
     Raises:
         UserError: the data can't serve the law, or there are too few runs to tell.
@@ -173,7 +173,7 @@ def diagnose(
             "a program a run"
         )
     workers.tell("law as it is")
-    problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
+    problem, in_newtons = prepared(structure, start or {}) if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)
     tolerance = _tolerance(structure, problem, loops, proved)
     judged: list[Judged] = []

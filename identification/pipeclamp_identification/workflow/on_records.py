@@ -24,7 +24,7 @@ from pipeclamp_models.base.processes import ALONE, Workers
 from pipeclamp_models.base.progress import Progress, silent
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, Provenance, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, Provenance, law_of
 from pipeclamp_models.law.law import BASE_LAW, Law, Structure
 from pipeclamp_models.law.range import rounded
 from pipeclamp_models.law.step import BeforeAfter
@@ -227,12 +227,9 @@ class RecordTests:
         """Find which effect a law lacks, see `Tests.diagnose`."""
         from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 
-        def prepared() -> Prepared:
-            return self._prepared_for(structure_of(file).with_declared(declared), law_of(file).values)
-
         return diagnosed(
             file, self.sines, self.loops, declared=declared, limits=limits, workers=workers,
-            prepared=prepared,
+            prepared=self._prepared_for,
         )  # fmt: skip
 
     def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
