@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from pipeclamp_identification.diagnosis.candidates import in_place_of, likeliest
+from pipeclamp_identification.diagnosis.candidates import likeliest
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.named import joined_by_and
 from pipeclamp_identification.diagnosis.problem import Judged, judge_each
 from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.diagnosis.weighing.causes import first_of_pairs, helps_alone
+from pipeclamp_identification.diagnosis.weighing.pairs import in_place_of
 from pipeclamp_identification.diagnosis.weighing.rivals import rivals_of
 from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
 from pipeclamp_models.law.catalogue import effect_id
@@ -48,7 +49,7 @@ def _several_in_place_of(general: str, whole: Judged, scales: Scales) -> Judged 
     known = candidate_names(structure, loops.conditions, time_measured=loops.time_measured)
     names = [name for name in known if effect_id(name) in simple and name not in whole.effects]
     groups = [group for count in range(FEWEST, len(names) + 1) for group in combinations(names, count)]
-    placed = (in_place_of(general, group, whole, structure, scales.problem, scales.law) for group in groups)
+    placed = (in_place_of(general, group, whole, scales) for group in groups)
     contenders = [each for each in placed if each is not None]
     found = judge_each(contenders, scales.problem, scales.workers)
     sound = [each for each in found if not each.objections]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pipeclamp_identification.diagnosis.candidates import likeliest, pairs, ranked, together_with_each, twins
+from pipeclamp_identification.diagnosis.candidates import likeliest, ranked
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold
 from pipeclamp_identification.diagnosis.open_means import means_left_open
 from pipeclamp_identification.diagnosis.problem import Judged
@@ -20,6 +20,7 @@ from pipeclamp_identification.diagnosis.weighing.causes import (
     unless_another_does,
 )
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
+from pipeclamp_identification.diagnosis.weighing.pairs import pairs, together_with_each, twins
 from pipeclamp_identification.diagnosis.weighing.parts import (
     able_to_take_a_part,
     fitted_together,
@@ -119,8 +120,7 @@ def _two_or_a_part(scales: Scales, sound: Sequence[Judged]) -> tuple[Weighed | N
     found: Weighed | None = None
     if sound:
         scales.workers.tell("two effects together")
-        seconds = promises if in_pairs else ()
-        both = pairs(structure, problem, scales.law, sound, scales.usable, seconds, scales.workers)
+        both = pairs(sound, promises if in_pairs else (), scales)
         found = _cause_of_two(both, sound, scales)
     pair = both[0] if both else None
     if found is None and outdoes(pair, able, scales):
@@ -136,7 +136,7 @@ def _with_rivals(
 ) -> list[Judged]:
     """Give the laws with the best effect and a rival each: of those fitted already, and of others fitted now."""
     open_yet = [each for each in rivals if fitted_together(best, each.effects[0], both) is None]
-    new = together_with_each(best, open_yet, scales.structure, scales.problem, scales.law, promises, scales.workers)
+    new = together_with_each(best, open_yet, promises, scales)
     return [*both, *new]
 
 
@@ -145,7 +145,7 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     weighed = cause_of_two(found, sound, scales)
     if weighed is None or weighed.kind != "cause":
         return weighed
-    like = twins(found[0], scales.structure, scales.problem, scales.candidates, scales.workers)
+    like = twins(found[0], scales)
     found = ranked([*found, *(each for each in like if each.may_be_cause)])
     return unless_another_does(cause_of_two(found, sound, scales) or weighed, like)
 
