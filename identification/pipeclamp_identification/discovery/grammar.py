@@ -28,8 +28,8 @@ from pipeclamp_identification.discovery.shapes import (
     RATE,
     STRENGTH,
     Entry,
-    Family,
     Shape,
+    TermFamily,
     dampers,
     elements,
     moved_by_temperature,
@@ -46,7 +46,7 @@ LONGEST_ID = 40
 ROLES = {"stiffness": "stiffness", "damping": "damping", "slip": "slip force"}
 
 
-def linear_symbol(family: Family) -> str:
+def linear_symbol(family: TermFamily) -> str:
     """Give the symbol of what a term's effect is in proportion to, or nearly."""
     return RATE if family == "factor" else STRENGTH
 
@@ -63,7 +63,7 @@ class Term:
         grown: ids of terms that act as it does while they are small, and otherwise where they have grown.
     """
 
-    family: Family
+    family: TermFamily
     declaration: Declaration
     acts_like: str
     shorter: tuple[str, ...] = ()
@@ -88,7 +88,7 @@ def terms(
     """
     scales = [None, *(one for name, one in SCALED.items() if name in varied)]
     scales += [scale for name, size in conditions.items() for scale in scales_of(name, size)]
-    shapes: list[tuple[Family, Shape]] = [
+    shapes: list[tuple[TermFamily, Shape]] = [
         *(("spring", shape) for shape in springs()),
         *(("damper", shape) for shape in dampers()),
         *(("element", shape) for shape in elements()),
@@ -107,7 +107,7 @@ def terms(
             yield from _factors_shifted_by_temperature(role)
 
 
-def _force_term(family: Family, shape: Shape, scale: Scale | None, about: float) -> Term:
+def _force_term(family: TermFamily, shape: Shape, scale: Scale | None, about: float) -> Term:
     """Give a term that adds a force, alone or scaled by what follows A, f, T or a further column."""
     words = f", displacement counted from {about:g} mm" if about else ""
     words += f", scaled with {scale.words}" if scale else ""
@@ -198,7 +198,7 @@ def _factor(role: str, name: str, factor: str, words: str, parameters: tuple[Ent
 
 
 def _term(
-    family: Family, name: str, acts_like: str, *, parameters: Sequence[Mapping[str, object]], **content: object
+    family: TermFamily, name: str, acts_like: str, *, parameters: Sequence[Mapping[str, object]], **content: object
 ) -> Term:
     """Give a term; its parameters start from each combination of their starts, of many from some."""
     starts = [one["start"] if isinstance(one["start"], tuple) else (one["start"],) for one in parameters]

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-Family = Literal["spring", "damper", "element", "factor"]
+TermFamily = Literal["spring", "damper", "element", "factor"]
 Entry = Mapping[str, object]
 
 STRENGTH, RATE = "F_x", "s_x"
@@ -300,7 +300,7 @@ def elements() -> Iterator[Shape]:
     )  # fmt: skip
 
 
-def moved_by_temperature(span_K: float) -> Iterator[tuple[Family, Shape]]:
+def moved_by_temperature(span_K: float) -> Iterator[tuple[TermFamily, Shape]]:
     """Give springs that begin at a place, and elements that relax in a time, which temperature moves.
 
     Args:
