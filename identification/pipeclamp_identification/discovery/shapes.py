@@ -280,13 +280,13 @@ def elements() -> Iterator[Shape]:
     rest: Entry = {**TIME, "meaning": "time in which it builds up again at rest"}
     worn_by: Entry = {**_length("way along which it breaks", 0.3, 3.0), "symbol": "q_x", "upper": "100 * A_highest"}
     for name, rate, words, own in (
-        ("dry", SIGN_V, "dry friction", ()), ("viscous", "v / v_0", "viscous damping", ()),
+        ("dry", SIGN_V, "dry friction that", ()), ("viscous", "v / v_0", "viscous damping that", ()),
         ("saturating", "tanh(v / v_x)", "damping that levels off with velocity,",
          (_velocity("velocity by which it levels off", 0.1, 1.0),)),
     ):  # fmt: skip
         yield Shape(
             f"thixotropic_{name}", f"(1 - z_x) * {rate}",
-            f"{words} that weakens as it moves and recovers at rest", (rest, worn_by, *own), worn,
+            f"{words} weakens as it moves and recovers at rest", (rest, worn_by, *own), worn,
         )  # fmt: skip
     # at rest it is a spring, which gives back what it took; it rises with v, so that what v adds acts against v
     shifted = f"(v / v_x + r_x * {SIGN_Y})"
