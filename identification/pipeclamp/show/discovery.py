@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.named import NO_PROOF
+from pipeclamp_identification.diagnosis.named import NO_PROOF, joined_by_and
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_NOISE_SHARE
 from pipeclamp_identification.discovery.hearing import TermFound
 from pipeclamp_identification.discovery.proposal import NumberAnswer, TermProposal, formula_of
-from pipeclamp_identification.discovery.shapes import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
+from pipeclamp_identification.discovery.shapes import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y, STILL, STILL_SQUARED
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_models.base.digits import error_goes, one_digit
 from pipeclamp_models.base.units import unit_shown
 
 RIVALS_SHOWN = 5
-READ_AS = {SIGN_Y: "sign(y)", SIGN_V: "sign(v)", SIZE_Y: "|y|", SIZE_V: "|v|"}
-"""What people read for what is smooth about zero; a declaration has it whole."""
+READ_AS = {
+    SIGN_Y: "sign(y)", SIGN_V: "sign(v)", SIZE_Y: "|y|", SIZE_V: "|v|", f" + {STILL}": "", f" + {STILL_SQUARED}": "",
+}  # fmt: skip
+"""What people read for what is smooth about zero, or never zero; a declaration has it whole."""
 WHERE_AS_WELL = "on these conditions or in a tenth of draws of them"
 
 
@@ -58,6 +60,7 @@ def discovery_words(proposal: TermProposal) -> list[str]:
         f"Acts like {found.term.acts_like}.",
         numbers_words(proposal),
         _error_words(proposal),
+        *_powers_back_words(proposal),
         *(f"The law does as well without {name}, now that it has the term: it went." for name in proposal.spare),
         f"As a formula: {formula_read(formula_of(proposal.declaration))}.",
         "These tests support it; it is no proof of a physical cause.",
@@ -76,9 +79,22 @@ def _instead_words(proposal: TermProposal) -> list[str]:
     return [
         f"{name} of the catalogue takes a part of what is missing, and passes what a term is asked.",
         _error_words(proposal),
+        *_powers_back_words(proposal),
         *(f"With it the law does as well without {one}." for one in proposal.spare),
         f"{NO_PROOF[0].upper()}{NO_PROOF[1:]}.",
         f"No term is proposed: {proposal.reason}.",
+    ]
+
+
+def _powers_back_words(proposal: TermProposal) -> list[str]:
+    """Say which powers of the amplitude were fitted again, and what they alone do; nothing where none were."""
+    back = proposal.powers_back
+    if back is None:
+        return []
+    names = joined_by_and(back.names)
+    return [
+        f"{names}, without which the law was, are fitted again first, for a term might stand for them: that alone "
+        f"makes {error_goes(*back.heldout)}."
     ]
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import tomli_w
 from pydantic import Field
@@ -81,6 +81,18 @@ class DiscoveryAnswer(AnswerModel):
     )
 
 
+class PowersBack(NamedTuple):
+    """Powers of the amplitude that the law's memory had spared, and were fitted again before the search.
+
+    Attributes:
+        names: of the parameters.
+        heldout: error on left-out groups without and with them, of all tests.
+    """
+
+    names: tuple[str, ...]
+    heldout: BeforeAfter
+
+
 @dataclass(frozen=True)
 class TermProposal:
     """What a search came to, with the law that has the term.
@@ -96,6 +108,7 @@ class TermProposal:
         reason: why nothing is proposed; empty where something is.
         spare: effects that went, for the law does as well without them, now that it has the term.
         instead: an effect of the catalogue that the law has in the place of a term; empty where there is none.
+        powers_back: what the law had gone without; None where it had all powers.
     """
 
     search: TermSearch
@@ -108,6 +121,7 @@ class TermProposal:
     reason: str
     spare: tuple[str, ...]
     instead: str = ""
+    powers_back: PowersBack | None = None
 
     @property
     def proposed(self) -> bool:

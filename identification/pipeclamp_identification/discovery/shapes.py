@@ -208,8 +208,8 @@ SNAPS_WITHIN = 1 / 6
 """Share of the tests' temperatures within which a stop goes from one place to another."""
 LEAST_LIMIT = 0.001
 """Where nothing holds, an element yields within this share of its way."""
-STILL = 1e-10
-"""A step, over an element's way and time, in which nothing happens."""
+STILL, STILL_SQUARED = 1e-10, 1e-20
+"""A step, over an element's way and time, in which nothing happens, and its square: nothing is divided by less."""
 
 
 def elements() -> Iterator[Shape]:
@@ -262,7 +262,7 @@ def elements() -> Iterator[Shape]:
     # activated flow (Eyring 1936), in proportion to a small force and far faster under a large one: over a step of even
     # motion the strain u follows du/dt = v / q - sinh(u) / t, of which z = tanh(u / 2) solves a Riccati equation
     way_over, time_over = "(y - y_previous) / q_x", "h / t_x"
-    size = f"sqrt(({way_over})**2 + ({time_over})**2 + {STILL}**2)"
+    size = f"sqrt(({way_over})**2 + ({time_over})**2 + {STILL_SQUARED})"
     eased, strain = f"tanh({size} / 2) / {size}", "log((1 + z_x) / (1 - z_x))"
     yield Shape(
         "activated_relaxing", strain,

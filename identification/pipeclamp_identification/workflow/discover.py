@@ -9,7 +9,7 @@ from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
 from pipeclamp_identification.discovery.hearing import TermFound
-from pipeclamp_identification.discovery.proposal import TermProposal, refused, renamed, with_fitted
+from pipeclamp_identification.discovery.proposal import PowersBack, TermProposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
 from pipeclamp_identification.workflow.change import (
     LawChange,
@@ -63,7 +63,8 @@ def discover(
     found = search(joining.law, tests.sines, tests.loops, declared=declared, workers=workers)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
-    none = TermProposal(found, file, None, None, noise, None, guards, found.reason, ())
+    back = PowersBack(freed.step.freed, freed.heldout) if freed else None
+    none = TermProposal(found, file, None, None, noise, None, guards, found.reason, (), powers_back=back)
     refusals = []
     for one in found.passed:
         blank = replace(none, search=replace(found, found=one), guards=one.guards)
