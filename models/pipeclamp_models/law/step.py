@@ -5,15 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE, _HELD, _FREED = (
-    "+ ",
-    "- ",
-    " -> ",
-    "base ",
-    " alone",
-    "without ",
-    "with ",
-)
+_ADDED, _REMOVED, _IN_PLACE, _ON_BASE, _ALONE = "+ ", "- ", " -> ", "base ", " alone"
+_HELD, _FREED = "without ", "with "
 _REFIT = "a refit"
 _AND = " and "
 
