@@ -136,10 +136,10 @@ class LoopObservations:
 
     def transformed(self, force: Array) -> Array:
         """Give the harmonics of force on the motion's grid, shape (..., R, n), as the records would show them."""
-        if self.transforms is None:
-            return real_harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
-        by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
         with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, which a fit refuses
+            if self.transforms is None:
+                return real_harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
+            by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
             found = by_run @ np.swapaxes(self.transforms, 1, 2)
         return np.asarray(np.moveaxis(found, 0, 1).reshape(*force.shape[:-1], -1))
 

@@ -1,5 +1,9 @@
 """Declared effects that have no value on the tests, or no room for a parameter: told, not fitted."""
 
+import warnings
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
@@ -42,6 +46,14 @@ def test_an_effect_without_a_value_where_the_clamp_moves_is_told(observations):
 def test_a_start_with_a_value_is_enough(observations):
     structure = with_effect(declared("y**q_1", start=[0.5, 1.0]))  # fractions of a power have no value below 0
     assert fit(structure, observations).law.values["q_1"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("sampled", ["finely", "coarsely"])
+def test_a_force_beyond_all_numbers_is_no_warning_to_users(observations, sampled):
+    force = np.full(observations.motion.y.shape, np.inf)
+    transforms = None if sampled == "finely" else np.ones((*observations.harmonics.shape, force.shape[1]))
+    with warnings.catch_warnings(action="error"):
+        assert not np.isfinite(replace(observations, transforms=transforms).transformed(force)).all()
 
 
 def test_bounds_that_cross_for_the_tests_are_told(observations):
